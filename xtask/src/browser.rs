@@ -1,9 +1,9 @@
 //! `cargo xtask browser`: the report page in a real browser, which is installed if there is none.
 
-use std::path::Path;
-use std::process::{Command, Stdio};
-
 use anyhow::{Context, Result};
+use std::path::Path;
+
+use crate::command::{apt_get, cargo, runs};
 
 /// Names of the browser.
 const NAMES: [&str; 5] = [
@@ -31,8 +31,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
         return Ok(true);
     }
     let pictures = root.join(PICTURES);
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(cargo)
+    let status = cargo()
         .args([
             "test",
             "--locked",
@@ -55,32 +54,8 @@ fn present() -> bool {
     std::env::var_os("CHROMIUM").is_some() || NAMES.iter().any(|name| runs(name, &["--version"]))
 }
 
-/// Tries the package manager of Debian and its kin; whether there is a browser then.
+/// Tries to install it; whether there is a browser then.
 fn install() -> bool {
-    println!("no Chromium found: trying to install it with apt-get");
-    runs("apt-get", &["update", "-qq"])
-        && runs("apt-get", &["install", "-qq", "-y", "chromium"])
-        && present()
-}
-
-/// Whether a program is there and ends well.
-fn runs(program: &str, arguments: &[&str]) -> bool {
-    Command::new(program)
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status()
-        .is_ok_and(|status| status.success())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_program_that_is_not_there_does_not_run() {
-        assert!(!runs("no-such-program-of-any-kind", &[]));
-        assert!(runs("cargo", &["--version"]));
-    }
+    println!("no Chromium found");
+    apt_get(&["chromium"]) && present()
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 
-use crate::{book, python, tidy};
+use crate::{book, capi, python, tidy};
 
 /// A cargo command of the list.
 struct Step {
@@ -15,7 +15,7 @@ struct Step {
     environment: &'static [(&'static str, &'static str)],
 }
 
-/// Everything except `tidy`, `python`, the wheel and the book, which run in this process after them. Cheap steps come first.
+/// Everything except `tidy`, the bindings and the book, which run in this process after them. Cheap steps come first.
 ///
 /// The commands without a package option act on the default members, which are the crates of
 /// `crates/` but the bindings: there, `--no-default-features` builds the serial code paths.
@@ -59,17 +59,16 @@ const STEPS: [Step; 7] = [
 ];
 
 /// Runs the steps in order, stops at the first that fails, and prints the time each took. `full` adds the
-/// wheel of the Python bindings and the commands of the book, which take half an hour.
+/// bindings of other languages, the wheel and the commands of the book, which take half an hour.
 ///
 /// # Errors
 /// When cargo itself cannot be started, or the workspace cannot be read.
 pub(crate) fn run(root: &Path, full: bool) -> Result<bool> {
-    let mut last: Vec<Own> = vec![
-        ("tidy", "cargo xtask tidy", tidy::run),
-        ("python", "cargo xtask python", python::run),
-    ];
+    let mut last: Vec<Own> = vec![("tidy", "cargo xtask tidy", tidy::run)];
     if full {
+        last.push(("python", "cargo xtask python", python::run));
         last.push(("wheel", "cargo xtask python --wheel", python::wheel));
+        last.push(("capi", "cargo xtask capi", |root| capi::run(root, None)));
         last.push(("book", "cargo xtask book", |root| book::run(root, None)));
     }
     let total = STEPS.len() + last.len();

@@ -3,14 +3,17 @@
 //! `tidy` checks what the compiler does not: the documented crate graph against the real one, the tests of the
 //! invariants, file lengths, leftovers, crate docs, the book's links and length. `ci` runs every check that a change
 //! must pass, in the same order as `.ci/run`. `book` runs the commands of the book. `browser` tests the report page in
-//! Chromium, `python` the Python bindings.
+//! Chromium, `python` the Python bindings, `capi` those of C.
 
 mod book;
 mod browser;
+mod capi;
 mod ci;
+mod command;
 mod python;
 mod tidy;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Result;
@@ -47,6 +50,12 @@ enum Task {
         #[arg(long)]
         wheel: bool,
     },
+    /// Build the C bindings and run their examples in C, C++ and Fortran, one of them under valgrind
+    Capi {
+        /// Build for use and install into this folder instead
+        #[arg(long, value_name = "FOLDER")]
+        prefix: Option<PathBuf>,
+    },
 }
 
 fn main() -> ExitCode {
@@ -64,5 +73,6 @@ fn run() -> Result<bool> {
         Task::Browser => browser::run(&root),
         Task::Python { wheel: false } => python::run(&root),
         Task::Python { wheel: true } => python::wheel(&root),
+        Task::Capi { prefix } => capi::run(&root, prefix.as_deref()),
     }
 }

@@ -4,9 +4,11 @@
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
+
+use crate::command::{cargo, passed};
 
 /// The bindings, from the workspace root.
 const BINDINGS: &str = "crates/femdem-python";
@@ -225,8 +227,7 @@ fn build(root: &Path, target: &Path, environment: &Environment) -> Result<PathBu
 
 /// Builds the compiled half of the package, and the program, whose results are compared; returns the path of that.
 fn program(root: &Path, target: &Path) -> Result<PathBuf> {
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut build = Command::new(cargo);
+    let mut build = cargo();
     build.args(BUILD.split_whitespace()).current_dir(root);
     ensure!(passed(&mut build)?, "the program was not built");
     let name = format!("femdem{}", env::consts::EXE_SUFFIX);
@@ -245,12 +246,4 @@ fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>> {
     }
     found.sort();
     Ok(found)
-}
-
-/// Runs a command without standard input; returns whether it ended well.
-fn passed(command: &mut Command) -> Result<bool> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let status = command.stdin(Stdio::null()).status();
-    let status = status.with_context(|| format!("cannot start {name}"))?;
-    Ok(status.success())
 }

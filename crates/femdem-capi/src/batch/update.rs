@@ -1,0 +1,117 @@
+//! The step of a batch.
+
+use std::mem::MaybeUninit;
+
+use femdem_solve::contact::{ContactError, Frame, Motion};
+use femdem_solve::mesh::Vector3;
+
+use super::Batch;
+use crate::border::{Failure, FemdemStatus, border, given, list, place, room};
+use crate::handles::FemdemBatch;
+use crate::plain::{FemdemLoad, FemdemMotion};
+
+/// Where a wall of a batch is.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FemdemShift {
+    /// From where it was added, m.
+    pub displacement: [f64; 3],
+    /// m/s.
+    pub velocity: [f64; 3],
+}
+
+/// Writes how many numbers of bodies and of walls have been in use: the lengths of the arrays of femdem_batch_update.
+#[unsafe(no_mangle)]
+pub extern "C" fn femdem_batch_slots(
+    batch: FemdemBatch,
+    bodies: Option<&mut MaybeUninit<usize>>,
+    walls: Option<&mut MaybeUninit<usize>>,
+) -> FemdemStatus {
+    border(|| {
+        let (to_bodies, to_walls) = (place("bodies", bodies)?, place("walls", walls)?);
+        let [bodies, walls] = batch.with(|own| Ok(own.batch.slots()))?;
+        to_bodies.write(bodies);
+        to_walls.write(walls);
+        Ok(())
+    })
+}
+
+/// Finds all contacts where the bodies are now, and writes the load on each.
+///
+/// Motions and loads are by the numbers of the bodies; what stands at a number not in use is not read. `dt` is the time since
+/// the last update in s, 0 in the first. Velocities are those of the half step before, as leapfrog has them: dashpots allow for
+/// it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn femdem_batch_update(
+    batch: FemdemBatch,
+    motions: *const FemdemMotion,
+    motion_count: usize,
+    dt: f64,
+    loads: *mut FemdemLoad,
+    load_count: usize,
+) -> FemdemStatus {
+    border(|| {
+        batch.with(|own| {
+            if load_count != motion_count {
+                return Err(Failure::size(
+                    "loads",
+                    load_count,
+                    motion_count,
+                    "as many as motions",
+                ));
+            }
+            // SAFETY: as the caller promises.
+            own.update(unsafe { list("motions", motions, motion_count)? }, dt)?;
+            // SAFETY: as the caller promises; the motions are not in use any more.
+            let to = unsafe { room("loads", loads, load_count)? };
+            for (to, load) in to.iter_mut().zip(own.batch.loads()) {
+                to.write(FemdemLoad::from(load));
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Moves a wall. It counts from the next update on.
+#[unsafe(no_mangle)]
+pub extern "C" fn femdem_batch_move_wall(
+    batch: FemdemBatch,
+    wall: u32,
+    shift: Option<&FemdemShift>,
+) -> FemdemStatus {
+    border(|| {
+        let shift = given("shift", shift)?;
+        batch.with(|own| own.move_wall(wall, shift))
+    })
+}
+
+impl Batch {
+    fn move_wall(&mut self, wall: u32, shift: &FemdemShift) -> Result<(), Failure> {
+        let [position, velocity] = [shift.displacement, shift.velocity].map(Vector3::from);
+        let length = position.norm() + velocity.norm();
+        if !length.is_finite() {
+            return Err(Failure::refused(
+                "shift",
+                length,
+                "finite in every component",
+            ));
+        }
+        let no_such = ContactError::NoSuch {
+            what: "wall",
+            index: wall as usize,
+            count: self.batch.walls().count(),
+        };
+        let found = self.walls.get_mut(wall as usize);
+        let found = found.filter(|_| self.batch.wall(wall).is_some());
+        let motion = found.ok_or(no_such)?;
+        *motion = Motion {
+            velocity,
+            travelled: motion.travelled + (position - motion.frame.position).norm(),
+            ..Motion::fixed(Frame {
+                position,
+                ..Frame::identity()
+            })
+        };
+        Ok(())
+    }
+}

@@ -1,0 +1,12 @@
+//! Tests of the C bindings, as one program.
+#![allow(
+    clippy::unwrap_used,
+    reason = "also what tests share stops where it fails"
+)]
+
+mod common;
+mod fortran;
+mod header;
+mod layers;
+mod misuse;
+mod same_bits;
