@@ -94,6 +94,7 @@ impl Itself<'_> {
                     list_a.get(i, |room| pose(a.whole, room)),
                     list_b.get(j, |room| pose(b.whole, room)),
                 ) else {
+                    clear = clear.min(motion);
                     continue;
                 };
                 scratch.candidates += 1;
@@ -112,7 +113,10 @@ impl Itself<'_> {
                 if gap > 0.0 || known >= 0.0 {
                     candidate.clear = motion + gap;
                 } else if intersect(p, q, &mut scratch.piece).is_none() {
-                    *apart = p.separating_normal(q, common).unwrap_or_default();
+                    // A plane through an edge turns with it: its normal cannot be kept.
+                    if common[0].count_ones() < 2 {
+                        *apart = p.separating_normal(q, common).unwrap_or_default();
+                    }
                     candidate.clear = motion;
                 } else if !is_speck(p, q, &mut scratch.piece) {
                     let [of_a, of_b] = [(p, a.count), (q, b.count)]
@@ -192,7 +196,7 @@ impl Itself<'_> {
 /// Whether the common part of two tetrahedra is no more than round-off.
 fn is_speck(a: &Posed, b: &Posed, piece: &mut Piece) -> bool {
     let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
-    common <= SPECK * a.volume().min(b.volume())
+    common.is_nan() || common <= SPECK * a.volume().min(b.volume())
 }
 
 /// Which parts of a tetrahedron a piece of it can reach, as bits. Part k is where the share of corner k is the least of all.

@@ -21,9 +21,8 @@ pub(crate) struct Near {
     pub sides: [Members; 2],
     /// In ascending order of their indices in the lists.
     pub pairs: Vec<Candidate>,
-    /// By pair of a body with itself, the normal of a plane that separated it; zero if none is known. They save work and change
-    /// no sums: they are not stored.
-    #[serde(skip)]
+    /// By pair of a body with itself, the normal of a plane that separated it; zero if none is known, empty before the first
+    /// sums.
     pub normals: Vec<Vector3>,
 }
 

@@ -13,8 +13,9 @@ const SLACK: f64 = 1e-12;
 pub(crate) type Common = [u8; 2];
 
 impl Posed {
-    /// The motion of the corners of both up to which a plane across `normal`, from self to the other, separates the two, m; below
-    /// 0 if it does not. It goes through the common corners, if any.
+    /// The motion up to which a plane across `normal`, from self to the other, separates the two, m: the sum of the ways of
+    /// a corner of each. Below 0 if it does not separate them. It goes through the common corners, if any; two of them must lie
+    /// across the normal.
     #[inline]
     pub fn gap_along(&self, other: &Self, common: Common, normal: &Vector3) -> f64 {
         let (mut top, mut hinge) = (f64::NEG_INFINITY, 0.0);
@@ -34,12 +35,30 @@ impl Posed {
             }
         }
         if common[0] == 0 {
-            bottom - top
-        } else if hinge - top < bottom - hinge {
+            return bottom - top;
+        }
+        let gap = if hinge - top < bottom - hinge {
             hinge - top
         } else {
             bottom - hinge
+        };
+        gap / self.turning(other, common)
+    }
+
+    /// How much faster than its corners a plane through the common ones may move at the others. A plane through one keeps its
+    /// normal; one through an edge turns with it, by less than twice the way of the ends over its length.
+    fn turning(&self, other: &Self, common: Common) -> f64 {
+        let of_edge = |k: &usize| common[0] >> k & 1 == 1;
+        let mut ends = (0..4).filter(of_edge).map(|k| self.corners[k]);
+        let (Some(a), Some(b)) = (ends.next(), ends.next()) else {
+            return 1.0;
+        };
+        let mut arm = 0.0;
+        for x in self.corners.iter().chain(&other.corners) {
+            let far = (x - a).norm().max((x - b).norm());
+            arm = if far > arm { far } else { arm };
         }
+        1.0 + 2.0 * arm / (b - a).norm()
     }
 
     /// The normal, from self to the other, of a plane that separates two tetrahedra, through their common corners if they have any.
@@ -83,6 +102,8 @@ impl Posed {
 #[cfg(test)]
 mod tests {
     use super::super::current::Current;
+    use super::super::piece::Piece;
+    use super::super::pieces::intersect;
     use super::*;
 
     fn tet(corners: [[f64; 3]; 4]) -> Posed {
@@ -123,6 +144,57 @@ mod tests {
         }
     }
 
+    /// Numbers from -1 to 1.
+    fn noise(state: &mut u64) -> f64 {
+        *state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 40) as f64 / (1_u64 << 23) as f64 - 1.0
+    }
+
+    /// Corners that all move by half the gap do not make two tetrahedra overlap that are joined at none, one or two of them.
+    #[test]
+    fn nothing_overlaps_before_the_gap_is_used_up() {
+        let mut state = 7;
+        let mut piece = Piece::default();
+        let mut seen = [0; 3];
+        for trial in 0..30_000 {
+            let joined = trial % 3;
+            let mut point = || Vector3::from([0; 3].map(|_| noise(&mut state)));
+            let mut corners: Vec<Vector3> = (0..8).map(|_| point()).collect();
+            let ways: Vec<Vector3> = (0..8).map(|_| point().normalize()).collect();
+            // The second begins with the common corners.
+            let build = |corners: &[Vector3]| {
+                let mut second = [corners[4], corners[5], corners[6], corners[7]];
+                second[..joined].copy_from_slice(&corners[..joined]);
+                let first = [corners[0], corners[1], corners[2], corners[3]];
+                let mut tets = [Current::default(), Current::default()];
+                let good = tets[0].deform(first, &[0.0; 4], 1.0, 0)
+                    & tets[1].deform(second, &[0.0; 4], 1.0, 0);
+                good.then(|| tets.map(|tet| tet.planes()))
+            };
+            let common = [(1 << joined) - 1; 2];
+            let Some([a, b]) = build(&corners) else {
+                continue;
+            };
+            let Some(normal) = a.separating_normal(&b, common) else {
+                continue;
+            };
+            let gap = a.gap_along(&b, common, &normal);
+            for (x, way) in corners.iter_mut().zip(&ways) {
+                *x += way * (0.4999 * gap);
+            }
+            if let Some([a, b]) = build(&corners) {
+                seen[joined] += 1;
+                let common = intersect(&a, &b, &mut piece).map_or(0.0, |_| {
+                    piece.moments_and_faces(0, &mut 0, |_, _| ()).volume
+                });
+                assert!(common < 1e-12, "{joined} {trial} {common}");
+            }
+        }
+        assert!(seen.iter().all(|n| *n > 100), "{seen:?}");
+    }
+
     /// What overlaps has no such plane, with and without a common corner.
     #[test]
     fn what_overlaps_is_not_separated() {
@@ -158,6 +230,6 @@ mod tests {
             [0.5, 1.0, 0.2],
         ]);
         let normal = below.separating_normal(&above, [3, 3]).unwrap();
-        assert!(normal.x.abs() < 1e-12 && below.gap_along(&above, [3, 3], &normal) > 0.2);
+        assert!(normal.x.abs() < 1e-12 && below.gap_along(&above, [3, 3], &normal) > 0.05);
     }
 }
