@@ -5,12 +5,12 @@
  * integrator, a world for the rest.
  *
  * Every function but femdem_abi, femdem_version and femdem_last_error returns a FemdemStatus; the last has the message. What fails
- * has changed nothing, but for steps: those taken before one that fails stay. A handle that is 0, freed or of another kind, null where a value is needed, and wrong lengths are statuses. Else a
- * pointer must lead to as many values as said, which nothing writes during the call; outputs are aligned and do
- * not overlap each other or inputs. Texts are in UTF-8 and end with a zero.
+ * has changed nothing, but for steps: those taken before one that fails stay. A handle that is 0, freed or of another kind, null
+ * where a value is needed, and wrong lengths are statuses. Else a pointer must lead to as many values as said, which nothing writes
+ * during the call; outputs are aligned and do not overlap each other or inputs. Texts are in UTF-8 and end with a zero.
  *
  * Any thread may use any handle, one thread at a time: another gets FEMDEM_STATUS_BUSY at once. Shapes are for all at a time.
- * A batch or world keeps the memory of each shape that it has had a body of until it is freed itself.
+ * A batch or world keeps the memory of each shape that it has used, until it is freed.
  * Batches and worlds compute on the threads of the process, one per core or as many as RAYON_NUM_THREADS says, or on their own
  * after femdem_batch_set_threads and femdem_world_set_threads. Results are the same bits for any number.
  *
