@@ -113,7 +113,8 @@ fn install(root: &Path, prefix: &Path, profile: &str) -> Result<()> {
     copy(&built.join("libfemdem_capi.a"), &lib.join("libfemdem.a"))?;
     copy(&built.join("libfemdem_capi.so"), &lib.join(&soname))?;
     let link = lib.join("libfemdem.so");
-    if link.is_symlink() {
+    // A link that leads nowhere does not exist.
+    if link.is_symlink() || link.exists() {
         fs::remove_file(&link)?;
     }
     #[cfg(unix)]

@@ -27,8 +27,17 @@ pub(crate) fn runs(program: &str, arguments: &[&str]) -> bool {
 /// Tries to install packages of Debian and its kin; returns whether it could.
 pub(crate) fn apt_get(packages: &[&str]) -> bool {
     println!("trying to install with apt-get: {}", packages.join(" "));
-    let install = [&["install", "-qq", "-y"], packages].concat();
-    runs("apt-get", &["update", "-qq"]) && runs("apt-get", &install)
+    let user = Command::new("id").arg("-u").output();
+    let is_root = user.is_ok_and(|user| user.stdout.trim_ascii() == b"0");
+    let apt_get = |arguments: &[&str]| {
+        let command = ["DEBIAN_FRONTEND=noninteractive", "apt-get"];
+        if is_root {
+            runs("env", &[&command, arguments].concat())
+        } else {
+            runs("sudo", &[&["-n", "env"], &command, arguments].concat())
+        }
+    };
+    apt_get(&["update", "-qq"]) && apt_get(&[&["install", "-qq", "-y"], packages].concat())
 }
 
 /// Cargo, as it was started.

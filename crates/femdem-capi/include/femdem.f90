@@ -334,8 +334,8 @@ module femdem
         bind(c) result(answer)
       import
       type(femdem_batch_t), value :: batch
-      integer(c_size_t), intent(out) :: bodies
-      integer(c_size_t), intent(out) :: walls
+      integer(c_size_t), intent(out), optional :: bodies
+      integer(c_size_t), intent(out), optional :: walls
       integer(c_int) :: answer
     end function
 

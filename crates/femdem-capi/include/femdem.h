@@ -4,11 +4,13 @@
  * Begin with shapes. femdem_pair_evaluate is for codes with their own search and friction, a batch for codes with their own
  * integrator, a world for the rest.
  *
- * Every function returns a FemdemStatus; femdem_last_error has the message. What fails has changed nothing, but for steps that
- * blow up. A handle that is 0, freed or of another kind, null where a value is needed, and wrong lengths are statuses. Else a
- * pointer must lead to as many values as said, which nothing writes during the call. Texts are in UTF-8 and end with a zero.
+ * Every function but femdem_abi, femdem_version and femdem_last_error returns a FemdemStatus; the last has the message. What fails
+ * has changed nothing, but for steps: those taken before one that fails stay. A handle that is 0, freed or of another kind, null
+ * where a value is needed, and wrong lengths are statuses. Else a pointer must lead to as many values as said, which nothing writes
+ * during the call; outputs are aligned and do not overlap each other or inputs. Texts are in UTF-8 and end with a zero.
  *
  * Any thread may use any handle, one thread at a time: another gets FEMDEM_STATUS_BUSY at once. Shapes are for all at a time.
+ * A batch or world keeps the memory of each shape that it has used, until it is freed.
  * Batches and worlds compute on the threads of the process, one per core or as many as RAYON_NUM_THREADS says, or on their own
  * after femdem_batch_set_threads and femdem_world_set_threads. Results are the same bits for any number.
  *
@@ -64,7 +66,7 @@ typedef enum {
    */
   FEMDEM_STATUS_HANDLE = 2,
   /*
-   An array has the wrong length. Where the length depends on the state, the function has written the right one.
+   An array has the wrong length; the message has the right one. A function with a `count` to write has written it there.
    */
   FEMDEM_STATUS_SIZE = 3,
   /*
@@ -76,7 +78,7 @@ typedef enum {
    */
   FEMDEM_STATUS_FILE = 5,
   /*
-   The simulation has left physical bounds; the world is of no further use.
+   The simulation has left physical bounds; the world or batch is of no further use.
    */
   FEMDEM_STATUS_FAILED = 6,
   /*
@@ -84,7 +86,7 @@ typedef enum {
    */
   FEMDEM_STATUS_BUSY = 7,
   /*
-   A fault of femdem itself; please report it. The object is of no further use, and can only be freed.
+   A fault of femdem itself; please report it. A batch or world of the call is of no further use, and can only be freed.
    */
   FEMDEM_STATUS_FAULT = 8,
 } FemdemStatus;
@@ -743,7 +745,8 @@ FemdemStatus femdem_batch_contacts(FemdemBatch batch,
                                    size_t *count);
 
 /*
- Writes how many numbers of bodies and of walls have been in use: the lengths of the arrays of femdem_batch_update.
+ Writes how many numbers of bodies and of walls have been in use: the lengths of the arrays of femdem_batch_update and
+ femdem_batch_wall_loads. Either may be null.
  */
 FemdemStatus femdem_batch_slots(FemdemBatch batch,
                                 size_t *bodies,
@@ -775,7 +778,8 @@ FemdemStatus femdem_batch_move_wall(FemdemBatch batch, uint32_t wall, const Femd
 const char *femdem_last_error(void);
 
 /*
- Frees a shape; does nothing with a handle of 0.
+ Frees a shape; does nothing with a handle of 0. Its memory stays as long as a batch or a world lives that has had a body of
+ it: make a shape once for all its bodies.
  */
 FemdemStatus femdem_shape_free(FemdemShape shape);
 
@@ -1040,15 +1044,17 @@ FemdemStatus femdem_world_contacts(FemdemWorld world,
                                    size_t *count);
 
 /*
- Takes `steps` steps; the world chooses their size. With FEMDEM_STATUS_FAILED the world is of no further use.
+ Takes `steps` steps; the world chooses their size. If one fails, those before it stay taken; with FEMDEM_STATUS_FAILED the
+ world is of no further use.
  */
 FemdemStatus femdem_world_step(FemdemWorld world,
                                uint64_t steps);
 
 /*
- Takes steps until a time in s is reached, by at most one step more.
+ Takes steps until a time in s is reached, by at most one step more. If one fails, it is as in femdem_world_step.
  */
-FemdemStatus femdem_world_step_until(FemdemWorld world, double time);
+FemdemStatus femdem_world_step_until(FemdemWorld world,
+                                     double time);
 
 #ifdef __cplusplus
 }  // extern "C"

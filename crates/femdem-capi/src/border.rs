@@ -21,17 +21,17 @@ pub enum FemdemStatus {
     Null = 1,
     /// A handle that was freed, is of another kind, or was never given out.
     Handle = 2,
-    /// An array has the wrong length. Where the length depends on the state, the function has written the right one.
+    /// An array has the wrong length; the message has the right one. A function with a `count` to write has written it there.
     Size = 3,
     /// A value is out of range, or a number names nothing. Nothing was changed.
     Refused = 4,
     /// A file could not be read or written, or holds something else.
     File = 5,
-    /// The simulation has left physical bounds; the world is of no further use.
+    /// The simulation has left physical bounds; the world or batch is of no further use.
     Failed = 6,
     /// Another thread is in a call with this handle.
     Busy = 7,
-    /// A fault of femdem itself; please report it. The object is of no further use, and can only be freed.
+    /// A fault of femdem itself; please report it. A batch or world of the call is of no further use, and can only be freed.
     Fault = 8,
 }
 
@@ -108,7 +108,12 @@ pub(crate) fn border(body: impl FnOnce() -> Result<(), Failure>) -> FemdemStatus
     let failure = match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(())) => return FemdemStatus::Ok,
         Ok(Err(failure)) => failure,
-        Err(panic) => fault(&*panic),
+        Err(panic) => {
+            let failure = fault(&*panic);
+            // Its destructor could panic, and nothing would catch that.
+            std::mem::forget(panic);
+            failure
+        }
     };
     keep(&failure.text);
     failure.status
@@ -120,7 +125,7 @@ fn fault(panic: &(dyn std::any::Any + Send)) -> Failure {
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     let text = text.unwrap_or("of unknown cause");
     let told = format!(
-        "a fault of femdem itself, please report it; the object is of no further use: {text}"
+        "a fault of femdem itself, please report it; a batch or world of the call is of no further use: {text}"
     );
     Failure::new(FemdemStatus::Fault, told)
 }
@@ -245,7 +250,7 @@ pub(crate) unsafe fn answer<T>(
 ) -> Result<(), Failure> {
     let needed = items.len();
     place("count", count)?.write(needed);
-    if available == 0 {
+    if available == 0 || needed == 0 {
         return Ok(());
     }
     if available < needed {
@@ -253,7 +258,7 @@ pub(crate) unsafe fn answer<T>(
         return Err(Failure::size(name, available, needed, what));
     }
     // SAFETY: as the caller promises.
-    let to = unsafe { room(name, start, available)? };
+    let to = unsafe { room(name, start, needed)? };
     for (to, item) in to.iter_mut().zip(items) {
         to.write(item);
     }
@@ -298,6 +303,21 @@ mod tests {
         let strange = border(|| std::panic::panic_any(1_u8));
         assert_eq!(strange, FemdemStatus::Fault);
         assert!(message().ends_with("unknown cause"));
+    }
+
+    /// What panics again where it is dropped.
+    struct Again;
+
+    impl Drop for Again {
+        fn drop(&mut self) {
+            panic!("again");
+        }
+    }
+
+    #[test]
+    fn what_a_panic_carries_is_not_dropped() {
+        let status = border(|| std::panic::panic_any(Again));
+        assert_eq!(status, FemdemStatus::Fault);
     }
 
     #[test]

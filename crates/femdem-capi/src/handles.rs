@@ -224,7 +224,8 @@ impl FemdemWorld {
     }
 }
 
-/// Frees a shape; does nothing with a handle of 0.
+/// Frees a shape; does nothing with a handle of 0. Its memory stays as long as a batch or a world lives that has had a body of
+/// it: make a shape once for all its bodies.
 #[unsafe(no_mangle)]
 pub extern "C" fn femdem_shape_free(shape: FemdemShape) -> FemdemStatus {
     free(shape)

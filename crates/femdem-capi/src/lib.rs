@@ -34,8 +34,9 @@
 //!
 //! # Errors
 //!
-//! Every function returns a [`FemdemStatus`]; [`femdem_last_error`] has the message of the thread: the value, what is allowed, what
-//! to do. What fails changes nothing, except a step that blows up. Handles are numbers that are never given out twice, so that a
+//! Every function but [`femdem_abi`], [`femdem_version`] and [`femdem_last_error`] returns a [`FemdemStatus`]; the last has the
+//! message of the thread: the value, what is allowed, what to do. What fails changes nothing, except steps: those taken before
+//! one that fails stay. Handles are numbers that are never given out twice, so that a
 //! handle that is 0, freed or of another kind is a status, and null pointers and wrong lengths are, too. A pointer to anything else
 //! cannot be found out. A panic, which would be a fault of femdem, is caught and becomes [`FemdemStatus::Fault`].
 //!
@@ -57,6 +58,7 @@
 //!
 //! This crate contains the unsafe code of the border, and nothing else does: symbols by name, and slices and texts of pointers with
 //! lengths. A caller must give pointers that are null or lead to as many values as said, which nothing else writes during the call.
+//! Outputs are aligned and do not overlap each other or inputs.
 #![expect(
     clippy::missing_safety_doc,
     reason = "what a caller must do stands above, for all functions; arrays come with their lengths"

@@ -2,6 +2,7 @@
 
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
+use std::path::Path;
 
 use femdem_solve::contact::BodyShape;
 use femdem_solve::mesh::shapes::Shape as Parametric;
@@ -118,7 +119,9 @@ pub unsafe extern "C" fn femdem_shape_file(
         let path = unsafe { text("path", path)? };
         let read = io::read_file(path);
         let read = read.map_err(|error| Failure::new(FemdemStatus::File, error))?;
-        let form = Form::new(path, read.scaled(unit)?, mesh_size)?;
+        // Checkpoints have the name: not where the file was.
+        let stem = Path::new(path).file_stem().and_then(|stem| stem.to_str());
+        let form = Form::new(stem.unwrap_or(path), read.scaled(unit)?, mesh_size)?;
         shape.write(FemdemShape::new(form));
         Ok(())
     })

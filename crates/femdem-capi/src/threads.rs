@@ -25,7 +25,7 @@ impl Threads {
         }
         let make = || ThreadPoolBuilder::new().num_threads(count as usize).build();
         let own = (count > 0).then(make).transpose();
-        let own = own.map_err(|error| Failure::new(FemdemStatus::Failed, error))?;
+        let own = own.map_err(|error| Failure::new(FemdemStatus::Refused, error))?;
         Ok(Self { own })
     }
 

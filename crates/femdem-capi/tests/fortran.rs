@@ -41,9 +41,11 @@ end module
 ";
 
 /// Pointers that may be null.
-const OPTIONAL: [(&str, &str); 5] = [
+const OPTIONAL: [(&str, &str); 7] = [
     ("femdem_batch_set_law", "law"),
     ("femdem_batch_add_box", "sides"),
+    ("femdem_batch_slots", "bodies"),
+    ("femdem_batch_slots", "walls"),
     ("femdem_world_set_law", "law"),
     ("femdem_world_add_box", "sides"),
     ("femdem_world_drive_body", "drive"),

@@ -108,6 +108,19 @@ fn files_have_a_unit_and_hulls_are_convex() {
     let small = got(|to| unsafe { femdem_shape_file(path.as_ptr(), 1e-3, 0.0, to) });
     let volume = got(|to| femdem_shape_properties(small, to)).volume;
     assert!((volume / 1e-9 - 1.0).abs() < 1e-9, "a cubic millimetre");
+    // A world knows the name of the shape, not where the file was.
+    let world = world();
+    got(|to| femdem_world_add_body(world, small, 1.0, Some(&resting(at(0.0, 0.0, 0.0))), 0, to));
+    // SAFETY: lists and rooms of `all` fit.
+    let bytes = all(0_u8, |to, room, count| unsafe {
+        femdem_world_to_bytes(world, to, room, count)
+    });
+    let has = |text: &str| {
+        bytes
+            .windows(text.len())
+            .any(|part| part == text.as_bytes())
+    };
+    assert!(has("block") && !has(folder.path().to_str().unwrap()) && !has("block.obj"));
     // SAFETY: rows of three, as many as said.
     let hull = got(|to| unsafe { femdem_shape_hull(CORNERS.as_flattened().as_ptr(), 8, to) });
     assert!((got(|to| femdem_shape_properties(hull, to)).volume - 1.0).abs() < 1e-12);

@@ -7,7 +7,7 @@ use std::thread;
 use femdem_capi::FemdemStatus::{File, Handle, Null, Refused, Size};
 use femdem_capi::*;
 
-use crate::common::{at, batch, fails, got, message, named, ok, resting, text, world};
+use crate::common::{at, batch, fails, got, message, named, ok, resting, text, update, world};
 
 #[test]
 fn null_is_named() {
@@ -256,7 +256,7 @@ fn values_out_of_range_are_named() {
     wrong.velocity.linear[0] = f64::NAN;
     for (motion, dt, word) in [
         (turned, 0.0, "motions[0]"),
-        (wrong, 0.0, "body 0"),
+        (wrong, 0.0, "motions[0]: velocity"),
         (still, -1.0, "dt = -1"),
     ] {
         let mut load = FemdemLoad::default();
@@ -265,6 +265,88 @@ fn values_out_of_range_are_named() {
             unsafe { femdem_batch_update(batch, &raw const motion, 1, dt, &raw mut load, 1) };
         fails(status, Refused, word);
     }
+}
+
+/// Loads and totals after updates that were refused are those without them, though bodies before the wrong one were right.
+#[test]
+fn a_refused_update_changes_nothing() {
+    let cube = named("cube", 3_f64.sqrt());
+    let run = |refused: &[([FemdemMotion; 2], f64)]| {
+        let batch = batch();
+        for _ in 0..2 {
+            got(|to| femdem_batch_add_body(batch, cube, 1000.0, 0, to));
+        }
+        let place = |x: f64| [at(x, 0.0, 0.0), at(0.0, 0.0, 0.999)].map(resting);
+        update(batch, &place(0.0), 0.0);
+        for (motions, dt) in refused {
+            let mut loads = [FemdemLoad::default(); 2];
+            let (from, to) = (motions.as_ptr(), loads.as_mut_ptr());
+            // SAFETY: both are as long as said.
+            let status = unsafe { femdem_batch_update(batch, from, 2, *dt, to, 2) };
+            assert_eq!(status, Refused, "{}", message());
+            assert_eq!(loads, [FemdemLoad::default(); 2]);
+        }
+        let before = got(|to| femdem_batch_totals(batch, to));
+        let then = [1e-3, 2e-3].map(|x| update(batch, &place(x), 1e-4));
+        (before, then, got(|to| femdem_batch_totals(batch, to)))
+    };
+    let right = [at(0.3, 0.0, 0.0), at(0.0, 0.0, 0.999)].map(resting);
+    let (mut lost, mut wild) = (right, right);
+    lost[1].velocity.linear[2] = f64::NAN;
+    wild[1].pose.position[2] = 1e20;
+    assert_eq!(run(&[(lost, 1e-4), (wild, -1.0)]), run(&[]));
+}
+
+#[test]
+fn a_refused_body_leaves_the_world_as_it_was() {
+    let (world, cube) = (world(), named("cube", 1.0));
+    let hash = || got(|to| femdem_world_hash(world, to));
+    let before = hash();
+    let mut motion = resting(at(0.0, 0.0, 0.0));
+    let mut body = std::mem::MaybeUninit::uninit();
+    let heavy = femdem_world_add_body(world, cube, -1.0, Some(&motion), 0, Some(&mut body));
+    fails(heavy, Refused, "density");
+    motion.velocity.linear[0] = f64::NAN;
+    let lost = femdem_world_add_body(world, cube, 1.0, Some(&motion), 0, Some(&mut body));
+    fails(lost, Refused, "velocity");
+    assert_eq!(hash(), before);
+}
+
+#[test]
+fn an_end_that_is_no_number_is_refused() {
+    let (world, cube) = (world(), named("cube", 1.0));
+    let still = resting(at(0.0, 0.0, 0.0));
+    let body = got(|to| femdem_world_add_body(world, cube, 1.0, Some(&still), 0, to));
+    let drive = |end| FemdemDrive {
+        kind: FEMDEM_DRIVE_LINEAR,
+        periods: 0,
+        vector: [1.0, 0.0, 0.0],
+        point: [0.0; 3],
+        rate: 0.0,
+        frequency: 0.0,
+        start: 0.0,
+        end,
+    };
+    let status = femdem_world_drive_body(world, body, Some(&drive(f64::NAN)));
+    fails(status, Refused, "NaN");
+    ok(femdem_world_drive_body(
+        world,
+        body,
+        Some(&drive(f64::INFINITY)),
+    ));
+}
+
+/// A room for what there is none of, and counts that nobody asks for.
+#[test]
+fn what_is_not_needed_may_be_null() {
+    let (world, batch) = (world(), batch());
+    // SAFETY: nothing is written, since there are no bodies.
+    let count = got(|to| unsafe { femdem_world_bodies(world, null_mut(), 5, to) });
+    assert_eq!(count, 0);
+    let cube = named("cube", 1.0);
+    got(|to| femdem_batch_add_body(batch, cube, 1.0, 0, to));
+    assert_eq!(got(|to| femdem_batch_slots(batch, to, None)), 1);
+    assert_eq!(got(|to| femdem_batch_slots(batch, None, to)), 0);
 }
 
 #[test]

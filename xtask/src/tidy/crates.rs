@@ -1,5 +1,7 @@
 //! Requirements on every crate: opening docs with their sections, a licence, the shared lints; which are the default ones.
 
+use std::collections::BTreeSet;
+
 use super::files::SourceFile;
 use super::metadata::{Package, TargetRoot};
 use super::{Problem, find};
@@ -38,6 +40,21 @@ pub(crate) fn check(files: &[SourceFile], packages: &[Package]) -> Vec<Problem> 
             let message = "the shared lints are off: add `[lints]` with `workspace = true`";
             problems.push(Problem::new(&package.manifest, 1, message));
         }
+        if package.name == UNSAFE
+            && let Some(manifest) = find(files, &package.manifest)
+            && let Some(workspace) = find(files, "Cargo.toml")
+        {
+            let own = lints(&manifest.text, "[lints.");
+            for lint in lints(&workspace.text, "[workspace.lints.") {
+                if !lint.1.starts_with("unsafe_code=") && !own.contains(&lint) {
+                    let (tool, line) = &lint;
+                    let message = format!(
+                        "a lint of the workspace is off: add `{line}` under [lints.{tool}]"
+                    );
+                    problems.push(Problem::new(&package.manifest, 1, message));
+                }
+            }
+        }
         for root in &package.roots {
             if let Some(file) = find(files, &root.path) {
                 problems.extend(check_docs(package, root, &file.text));
@@ -61,6 +78,26 @@ fn has_workspace_lints(manifest: &str) -> bool {
         let compact: String = line.chars().filter(|c| !c.is_whitespace()).collect();
         compact == "lints.workspace=true" || (table == "[lints]" && compact == "workspace=true")
     })
+}
+
+/// The lints of a manifest, each with its tool, without spaces.
+fn lints(manifest: &str, table: &str) -> BTreeSet<(String, String)> {
+    let mut tool = None;
+    let mut lints = BTreeSet::new();
+    for line in manifest.lines().map(str::trim) {
+        if line.starts_with('[') {
+            tool = line
+                .strip_prefix(table)
+                .and_then(|rest| rest.strip_suffix(']'));
+        } else if let Some(tool) = tool
+            && line.contains('=')
+            && !line.starts_with('#')
+        {
+            let compact = line.chars().filter(|c| !c.is_whitespace()).collect();
+            lints.insert((tool.to_owned(), compact));
+        }
+    }
+    lints
 }
 
 fn check_docs(package: &Package, root: &TargetRoot, text: &str) -> Vec<Problem> {
@@ -167,6 +204,39 @@ mod tests {
         for wrong in [left_out, bindings] {
             assert_eq!(check(&files, &[wrong]).len(), 1);
         }
+    }
+
+    #[test]
+    fn the_crate_with_unsafe_code_has_all_other_lints() {
+        let workspace = "[workspace.lints.rust]\nmissing_docs = \"deny\"\nunsafe_code = \"forbid\"\n\
+                         [workspace.lints.clippy]\ntodo = \"warn\"\n[profile.dev]\ndebug = true\n";
+        let root = SourceFile {
+            path: "Cargo.toml".to_owned(),
+            text: workspace.to_owned(),
+        };
+        let border = Package {
+            name: UNSAFE.to_owned(),
+            is_default: false,
+            ..package("crates/a", false)
+        };
+        let problems = |manifest: &str| {
+            let mut files = tree("crates/a", manifest, DOCS);
+            files.push(SourceFile {
+                path: root.path.clone(),
+                text: root.text.clone(),
+            });
+            check(&files, std::slice::from_ref(&border))
+        };
+        let rust = "[lints.rust]\nmissing_docs = \"deny\"\n";
+        let clippy = "[lints.clippy]\ntodo = \"warn\"\n";
+        assert_eq!(problems(&format!("{rust}\n{clippy}")), []);
+        let found = problems(rust);
+        assert_eq!(found.len(), 1);
+        assert!(
+            found[0]
+                .message
+                .contains("`todo=\"warn\"` under [lints.clippy]")
+        );
     }
 
     #[test]

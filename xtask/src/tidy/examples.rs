@@ -1,4 +1,4 @@
-//! Commands name examples that exist: `--example NAME` is a file of some crate's `examples`.
+//! Commands name examples that exist: `--example NAME` or `--example=NAME` is a file of some crate's `examples`.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use super::Problem;
 use super::files::SourceFile;
 
 /// How a command names an example.
-const OPTION: &str = "--example ";
+const OPTION: &str = "--example";
 
 pub(crate) fn check(files: &[SourceFile]) -> Vec<Problem> {
     let known: BTreeSet<&str> = files
@@ -41,6 +41,7 @@ fn named(line: &str) -> impl Iterator<Item = &str> {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let names = line.split(OPTION).skip(1);
     names
+        .filter_map(|rest| rest.strip_prefix([' ', '=']))
         .map(move |rest| rest.split(|c| !is_name(c)).next().unwrap_or_default())
         .filter(|name| !name.is_empty())
 }
@@ -64,7 +65,7 @@ mod tests {
             file("crates/a/examples/statics/parts.rs", ""),
             file(
                 "docs/a.md",
-                "cargo run --example cost -- 3\n`--example statics`\ncargo run --example parts --example gone",
+                "cargo run --example cost -- 3\n`--example statics`\ncargo run --example parts --example=gone --examples x",
             ),
         ];
         let problems = check(&files);

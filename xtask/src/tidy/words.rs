@@ -28,8 +28,9 @@ fn check_file(file: &SourceFile) -> Vec<Problem> {
     let is_rust = extension == "rs";
     let has_words = is_rust || extension == "toml" || extension == "md";
     let in_crate = file.path.strip_prefix("crates/");
-    let is_library =
-        is_rust && in_crate.is_some_and(|path| path.contains("/src/") && !path.starts_with(UNSAFE));
+    let is_library = is_rust
+        && in_crate
+            .is_some_and(|path| path.contains("/src/") && path.split('/').next() != Some(UNSAFE));
     let mut problems = Vec::new();
     for (line, number) in file.text.lines().zip(1..) {
         let mut report = |message: String| {
@@ -213,6 +214,8 @@ mod tests {
         assert_eq!(check(&[file("crates/a/tests/x.rs", text)]).len(), 0);
         let border = format!("crates/{UNSAFE}/src/x.rs");
         assert_eq!(check(&[file(&border, text)]).len(), 0);
+        let neighbour = format!("crates/{UNSAFE}-more/src/x.rs");
+        assert_eq!(check(&[file(&neighbour, text)]).len(), 1);
         assert_eq!(check(&[file("docs/x.md", text)]).len(), 0);
         let marker = MARKERS[1];
         let two = check(&[file("docs/x.md", marker), file("data/x.json", marker)]);

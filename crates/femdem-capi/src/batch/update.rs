@@ -6,7 +6,7 @@ use femdem_solve::contact::{ContactError, Frame, Motion};
 use femdem_solve::mesh::Vector3;
 
 use super::Batch;
-use crate::border::{Failure, FemdemStatus, border, given, list, place, room};
+use crate::border::{Failure, FemdemStatus, border, given, list, room};
 use crate::handles::FemdemBatch;
 use crate::plain::{FemdemLoad, FemdemMotion};
 
@@ -20,7 +20,8 @@ pub struct FemdemShift {
     pub velocity: [f64; 3],
 }
 
-/// Writes how many numbers of bodies and of walls have been in use: the lengths of the arrays of femdem_batch_update.
+/// Writes how many numbers of bodies and of walls have been in use: the lengths of the arrays of femdem_batch_update and
+/// femdem_batch_wall_loads. Either may be null.
 #[unsafe(no_mangle)]
 pub extern "C" fn femdem_batch_slots(
     batch: FemdemBatch,
@@ -28,10 +29,12 @@ pub extern "C" fn femdem_batch_slots(
     walls: Option<&mut MaybeUninit<usize>>,
 ) -> FemdemStatus {
     border(|| {
-        let (to_bodies, to_walls) = (place("bodies", bodies)?, place("walls", walls)?);
-        let [bodies, walls] = batch.with(|own| Ok(own.batch.slots()))?;
-        to_bodies.write(bodies);
-        to_walls.write(walls);
+        let slots = batch.with(|own| Ok(own.batch.slots()))?;
+        for (to, slots) in [bodies, walls].into_iter().zip(slots) {
+            if let Some(to) = to {
+                to.write(slots);
+            }
+        }
         Ok(())
     })
 }

@@ -29,15 +29,15 @@ pub extern "C" fn femdem_world_add_body(
         let (pose, of) = (motion.pose.checked()?, material(material_id)?);
         let form = shape.form()?;
         world.with(|own| {
-            let shape = own.shape(&form)?;
-            body.write(own.world.add_body(BodySpec {
-                shape,
+            let spec = BodySpec {
+                shape: 0,
                 density,
                 pose,
                 velocity,
                 angular_velocity,
                 material: of,
-            })?);
+            };
+            body.write(own.add_body(&form, spec)?);
             Ok(())
         })
     })

@@ -40,7 +40,11 @@ impl FemdemDrive {
     fn drive(&self) -> Result<Drive, Failure> {
         let (vector, start) = (self.vector.into(), self.start);
         // Ends are finite.
-        let end = self.end.min(f64::MAX);
+        let end = if self.end == f64::INFINITY {
+            f64::MAX
+        } else {
+            self.end
+        };
         Ok(match self.kind {
             FEMDEM_DRIVE_FIXED => Drive::Fixed,
             FEMDEM_DRIVE_LINEAR => Drive::Linear {

@@ -16,9 +16,11 @@ pub use parameters::*;
 pub use query::*;
 pub use step::*;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use femdem_solve::{ShapeId, World};
+use femdem_solve::contact::BodyId;
+use femdem_solve::{BodySpec, ShapeId, World, WorldParameters};
 
 use crate::border::Failure;
 use crate::form::Form;
@@ -28,7 +30,8 @@ use crate::threads::Threads;
 pub(crate) struct Hosted {
     world: World,
     threads: Threads,
-    shapes: Vec<(Arc<Form>, ShapeId)>,
+    /// By their addresses, which stay their own as long as they are kept here.
+    shapes: BTreeMap<usize, (Arc<Form>, ShapeId)>,
 }
 
 impl From<World> for Hosted {
@@ -36,19 +39,27 @@ impl From<World> for Hosted {
         Self {
             world,
             threads: Threads::default(),
-            shapes: Vec::new(),
+            shapes: BTreeMap::new(),
         }
     }
 }
 
 impl Hosted {
-    fn shape(&mut self, form: &Arc<Form>) -> Result<ShapeId, Failure> {
-        let mut known = self.shapes.iter();
-        if let Some((_, id)) = known.find(|(own, _)| Arc::ptr_eq(own, form)) {
-            return Ok(*id);
-        }
-        let id = form.add_to(&mut self.world)?;
-        self.shapes.push((Arc::clone(form), id));
-        Ok(id)
+    /// Adds a body, whose shape in `spec` is yet to be set, and its shape if that is new.
+    fn add_body(&mut self, form: &Arc<Form>, spec: BodySpec) -> Result<BodyId, Failure> {
+        let address = Arc::as_ptr(form).addr();
+        let shape = match self.shapes.get(&address) {
+            Some((_, shape)) => *shape,
+            None => {
+                // A world keeps its shapes: another one tells first whether it would take the body.
+                let mut trial = World::new(WorldParameters::default())?;
+                let shape = form.add_to(&mut trial)?;
+                trial.add_body(BodySpec { shape, ..spec })?;
+                let shape = form.add_to(&mut self.world)?;
+                self.shapes.insert(address, (Arc::clone(form), shape));
+                shape
+            }
+        };
+        Ok(self.world.add_body(BodySpec { shape, ..spec })?)
     }
 }

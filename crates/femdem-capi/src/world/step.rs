@@ -3,7 +3,8 @@
 use crate::border::{Failure, FemdemStatus, border};
 use crate::handles::FemdemWorld;
 
-/// Takes `steps` steps; the world chooses their size. With FEMDEM_STATUS_FAILED the world is of no further use.
+/// Takes `steps` steps; the world chooses their size. If one fails, those before it stay taken; with FEMDEM_STATUS_FAILED the
+/// world is of no further use.
 #[unsafe(no_mangle)]
 pub extern "C" fn femdem_world_step(world: FemdemWorld, steps: u64) -> FemdemStatus {
     border(|| {
@@ -16,7 +17,7 @@ pub extern "C" fn femdem_world_step(world: FemdemWorld, steps: u64) -> FemdemSta
     })
 }
 
-/// Takes steps until a time in s is reached, by at most one step more.
+/// Takes steps until a time in s is reached, by at most one step more. If one fails, it is as in femdem_world_step.
 #[unsafe(no_mangle)]
 pub extern "C" fn femdem_world_step_until(world: FemdemWorld, time: f64) -> FemdemStatus {
     border(|| {
