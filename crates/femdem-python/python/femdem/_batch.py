@@ -28,7 +28,7 @@ class ContactBatch:
         # ... integrate with these and its own loads
 
     Arrays have a row for each body, in the order of :attr:`ids`. Velocities are those of the half step before, as leapfrog and
-    semi-implicit Euler integrators have them: the dashpots allow for their lag.
+    semi-implicit Euler integrators have them: the dashpots allow for their lag. One thread at a time uses a batch.
     """
 
     __slots__ = ("_batch",)

@@ -123,7 +123,8 @@ class World(Bodies):
         With a ``fracture`` (``tensile``, ``cohesion``, ``friction_angle``, ``energy`` ...) they break: :meth:`cracks`.
         ``mesh_size`` is the edge length of the tetrahedra over the diameter, 0.2 if left out; ``contact_ratio`` the stiffness
         of the contacts over that of the body. ``boundary`` are conditions as in a scene, on nodes chosen in the coordinates of
-        the shape: ``[{"select": {"plane": {"normal": [0, 0, 1], "offset": -0.05}}, "fix": True}]``; see :meth:`release`.
+        the shape: ``[{"select": {"plane": {"normal": [0, 0, 1], "offset": -0.05}}, "fix": True}]``; see :meth:`release`. The
+        times of ``rise`` and ``table`` are those of the world, not since the body was added.
         """
         text = entry("matter", matter)
         kind = index("material", material, MATERIALS)
@@ -175,7 +176,8 @@ class World(Bodies):
     def add_bond(self, a: int, b: int, corners: ArrayLike, **law: Any) -> int:
         """Bonds two rigid bodies of any shape over a convex polygon of corners (n, 3) in the world, m, and returns the number.
 
-        ``law`` has the keys of :meth:`add_bonds` but for ``gap`` and ``ratio``.
+        ``law`` has the keys of :meth:`add_bonds` but for ``gap`` and ``ratio``. Several polygons between two bodies are the parts
+        of one section, a bond each: they must not overlap.
         """
         for key in ("between", "gap", "ratio"):
             if key in law:
@@ -400,11 +402,11 @@ class World(Bodies):
         return self._world.bonds()
 
     def bonded_with(self, body: int) -> NDArray[np.uint32]:
-        """The bodies that bonds hold together with one, itself included."""
+        """The bodies that bonds which have not ended, broken ones too, link with one; itself included."""
         return self._world.bonded_with(index("body", body))
 
     def bonded_pieces(self) -> list[NDArray[np.uint32]]:
-        """The bodies that were ever bonded, by the pieces that bonds still hold together."""
+        """The bodies that were ever bonded, by the pieces that bonds which are not broken hold together."""
         return self._world.bonded_pieces()
 
     def cracks(self, body: int) -> dict[str, NDArray[Any]]:

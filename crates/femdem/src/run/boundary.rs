@@ -62,7 +62,7 @@ impl BoundaryEntry {
     ///
     /// # Errors
     ///
-    /// [`Error::Option`] with the key at fault, [`Error::Fem`] where no node is selected or one is held twice.
+    /// [`Error::Option`] with the key at fault, [`Error::Fem`] where no node is selected.
     pub fn add_to(
         &self,
         boundary: &mut Boundary,
