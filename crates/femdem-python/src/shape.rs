@@ -10,6 +10,7 @@ use femdem::mesh::shapes::Shape as Parametric;
 use femdem::mesh::tet::{self, MeshOptions};
 use femdem::mesh::{Matrix3, MeshError, Point3, Polyhedron, TetMesh, Vector3, convex_hull};
 use femdem::scene::{Unit, is_ball};
+use femdem::solve::checkpoint::{decode, encode};
 use femdem::solve::{self, ShapeId, SolveError, World};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -342,14 +343,13 @@ impl Shape {
 
     /// What makes an equal shape.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = bincode::serde::encode_to_vec(&*self.form, bincode::config::standard());
-        Ok(PyBytes::new(py, &bytes.map_err(refused)?))
+        let bytes = encode(&*self.form).map_err(refused)?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     #[staticmethod]
     fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
-        let form = bincode::serde::decode_from_slice(bytes, bincode::config::standard());
-        let (form, _): (Form, usize) = form.map_err(refused)?;
+        let form: Form = decode(bytes).map_err(refused)?;
         Ok(form.into())
     }
 }

@@ -221,6 +221,69 @@ def test_centroids_off_the_origin():
     assert np.allclose(pair[0], pair[1], rtol=1e-9, atol=1e-9)
 
 
+def test_turned_about_a_skew_axis_it_is_still_the_same_body():
+    """Two in touch, off their origins and turned: forces, torques and inertias of the centred shape."""
+    axis, angle = np.array([1.0, 2, -3]) / np.sqrt(14), 0.7
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    turn = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    quaternion = [np.cos(angle / 2), *(np.sin(angle / 2) * axis)]
+    slab, offset = CUBE.vertices * [1, 1.5, 0.5], np.array([0.05, -0.2, 0.3])
+    centres = np.array([[0, 0, 0], turn @ [0.01, 0.02, 0.0499]])
+    spins, found = [[1, 2, 3], [-2, 0, 1]], []
+    for shift in (np.zeros(3), offset):
+        batch = femdem.ContactBatch(friction=0.5, penalty=1e6)
+        batch.add(femdem.Shape.from_arrays(slab + shift, CUBE.faces), 2000, count=2)
+        assert batch.centroids == pytest.approx(np.stack([shift] * 2), abs=1e-12)
+        for step in (0, 1e-4):
+            poses = np.hstack([centres - turn @ shift + [step, 0, 0], [quaternion] * 2])
+            forces, torques = batch.update(poses, [[1, 0, 0], [1, 0.5, 0]], spins, dt=step)
+        found.append((forces, torques, batch.inertias))
+    for centred, off in zip(*found, strict=True):
+        assert np.abs(centred).max() > 0 and off == pytest.approx(centred, abs=1e-7 * np.abs(centred).max())
+    # The push is along the turned normal of the faces, friction in their plane.
+    push = turn.T @ found[0][0][1]
+    assert push[2] > 0 and 0 < np.hypot(*push[:2]) <= 0.5001 * push[2]
+
+
+def test_a_place_without_a_finite_way_spoils_nothing():
+    batch = femdem.ContactBatch()
+    batch.add(CUBE, 2000)
+    (floor,) = batch.add_wall("floor", **FLOOR)
+    at = place(0, 0, 0.0499)
+    before, _ = batch.update(at, dt=0)
+    far = place(0, 0, 1.3e154), place(0, 0, -1.3e154)
+    batch.update(far[0], dt=0)
+    with pytest.raises(femdem.FemdemError, match="pose of body 0 = .*-1.3e154.*must be finite"):
+        batch.update(far[1], dt=1e-4)
+    assert np.array_equal(batch.update(at, dt=1e-4)[0], before)
+    batch.move_wall(floor, far[0])
+    batch.update(far[0], dt=1e-4)
+    batch.move_wall(floor, far[1])
+    with pytest.raises(femdem.FemdemError, match="pose of wall 0 = .*-1.3e154.*must be finite"):
+        batch.update(far[0], dt=1e-4)
+    batch.move_wall(floor, place(0, 0, 0))
+    assert np.array_equal(batch.update(at, dt=0)[0], before)
+    # Nor does a wall that leaves without having moved.
+    batch.move_wall(floor, far[1])
+    batch.remove_wall(floor)
+    assert batch.update(at, dt=1e-4)[0].tolist() == [[0, 0, 0]]
+
+
+def test_damaged_bytes_are_refused_by_name():
+    batch = femdem.ContactBatch(friction=0.5)
+    batch.add(CUBE, 2000, count=2)
+    batch.update([place(0, 0, 0), place(0, 0, 0.0999)], dt=0)
+    shape = CUBE._shape
+    for data, read in ((batch.to_bytes(), femdem.ContactBatch.from_bytes), (shape.to_bytes(), type(shape).from_bytes)):
+        read(data)
+        flipped = [data[:k] + bytes([data[k] ^ 16]) + data[k + 1 :] for k in (0, len(data) // 2, len(data) - 1)]
+        for bad in (*flipped, data[:-1], data[: len(data) // 2], data + b"\0"):
+            with pytest.raises(femdem.FemdemError, match="could not be decoded: its checksum does not match"):
+                read(bad)
+        with pytest.raises(femdem.FemdemError, match="it ends before its checksum"):
+            read(data[:7])
+
+
 REFUSALS = [
     (lambda b: femdem.ContactBatch(frictoin=1), ["frictoin", "friction"]),
     (lambda b: femdem.ContactBatch(penalty=-1), ["penalty = -1"]),
@@ -251,7 +314,8 @@ REFUSALS = [
     (lambda b: b.update(place(0, 0, 1), [1e200, 0, 0], dt=0), ["velocity"]),
     (lambda b: b.update(place(0, 0, 1), dt=-1), ["dt = -1"]),
     (lambda b: b.update(place(0, 0, 1), dt=np.nan), ["dt = NaN"]),
-    (lambda b: femdem.ContactBatch.from_bytes(b"abc"), [""]),
+    (lambda b: b.update(place(0, 1e200, 1), dt=0), ["pose.translation", "finite"]),
+    (lambda b: femdem.ContactBatch.from_bytes(b"abc"), ["decoded", "checksum"]),
 ]
 
 

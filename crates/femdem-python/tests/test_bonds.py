@@ -56,6 +56,18 @@ def test_a_bonded_body_hangs_on_a_polygon():
     assert len(world.bonds()["bond"]) == 0
 
 
+def test_two_polygons_between_two_bodies_hold_together():
+    world = glued()
+    world.set_gravity((0, 0, 9.81))
+    corners = 0.01 * np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]]) + [0, 0, 0.05]
+    for x in (-0.02, 0.02):
+        world.add_bond(0, 1, corners + [x, 0, 0], **MORTAR, damping=0.5)
+    world.step(until=0.003)
+    state = world.bonds()
+    assert state["area"] == pytest.approx([4e-4] * 2) and not state["ended"].any()
+    assert state["force"][:, 2] == pytest.approx([9.81] * 2, rel=0.02)
+
+
 def test_a_cluster_has_the_bits_of_the_program():
     scene = {
         "duration": 1e-4,
@@ -165,8 +177,8 @@ REFUSALS = [
     (lambda w: w.add_bonds([0, 1], gap=-1, **MORTAR), ["gap"]),
     (lambda w: w.add_bonds([0, 7], gap=1e-6, **MORTAR), ["7"]),
     (lambda w: w.add_bonds([0], [2], gap=1e-6, **MORTAR), ["gap", "larger"]),
-    (lambda w: w.add_bond(0, 0, CUBE.vertices[:3], **MORTAR), [""]),
-    (lambda w: w.add_bond(0, 1, np.zeros((4, 3)), **MORTAR), [""]),
+    (lambda w: w.add_bond(0, 0, CUBE.vertices[:3], **MORTAR), ["bodies of a bond", "two different numbers"]),
+    (lambda w: w.add_bond(0, 1, np.zeros((4, 3)), **MORTAR), ["area of a bond", "above 0"]),
     (lambda w: w.add_bond(0, 1, np.zeros((2, 2)), **MORTAR), ["corners", "(2, 2)"]),
     (lambda w: w.add_bond(0, 1, np.zeros((4, 3)), gap=1, **MORTAR), ["gap", "add_bonds"]),
     (lambda w: w.bonded_with(9), ["9"]),
@@ -177,11 +189,12 @@ REFUSALS = [
     (lambda w: w.set_cell([0.1, None, None]), ["periodic", "before the bodies"]),
     (lambda w: w.deform_cell(np.eye(3)), ["cell"]),
     (lambda w: w.deform_cell([1, 2]), ["rates", "(2,)"]),
-    (lambda w: w.add_deformable(BAR, place(0, 0, 9), BRITTLE, mesh_size=-1), [""]),
+    (lambda w: w.add_deformable(BAR, place(0, 0, 9), BRITTLE, mesh_size=-1), ["edge length", "positive"]),
     (lambda w: w.add_deformable(BAR, place(0, 0, 9), STRONG, mesh_size=0.5), ["elements", "m high", "mesh"]),
     (lambda w: w.add_deformable(BAR, place(0, 0, 9), BRITTLE, element="t10"), ["T4", "T10"]),
     (lambda w: w.add_deformable(BAR, place(0, 0, 9), BRITTLE, boundary={"fix": True}), ["boundary", "list"]),
     (lambda w: w.add_deformable(BAR, place(0, 0, 9), BRITTLE, boundary=[{"fix": True}]), ["boundary", "select"]),
+    (lambda w: w.add_deformable(BAR, place(0, 0, 9), BRITTLE, boundary=[{**ENDS[0], "name": "a"}]), ["boundary.name", '"a"']),
 ]
 
 

@@ -1,7 +1,7 @@
 //! Files that survive crashes: a header with magic, kind, version, length and checksum, then the state. A
 //! file is written beside its destination, synced, then renamed, so that the previous file stays until the
 //! new one is complete. States are streamed to and from the file, so that no second copy of them is in
-//! memory. The only file of the project that uses bincode.
+//! memory. All stored states of the project pass here; only tests call bincode elsewhere.
 
 use crate::error::SolveError;
 use bincode::error::EncodeError;

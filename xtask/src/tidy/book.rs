@@ -10,7 +10,7 @@ use super::{Problem, find, invariants};
 const SUMMARY: &str = "docs/SUMMARY.md";
 
 /// Most words of all pages together but the one that the program writes. Marks of tables and code alone do not count.
-const MOST_WORDS: usize = 31_700;
+const MOST_WORDS: usize = 31_000;
 
 /// The page that the program writes: the options with their help.
 const WRITTEN: &str = "docs/options.md";

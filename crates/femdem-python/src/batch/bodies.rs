@@ -144,6 +144,8 @@ impl ContactBatch {
         wall: u32,
     ) -> PyResult<Bound<'py, PyArray1<BodyId>>> {
         let touched = self.batch.remove_wall(wall).map_err(refused)?;
+        // So that it moves no more.
+        self.next_walls[wall as usize] = self.walls[wall as usize];
         Ok(column(py, touched))
     }
 

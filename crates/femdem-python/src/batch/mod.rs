@@ -101,19 +101,19 @@ impl ContactBatch {
         let velocities = read("velocities", velocities)?;
         let spins = read("angular_velocities", spins)?;
         let mut motions = self.motions.clone();
-        let bodies = self.bodies.iter().zip(&mut motions);
-        let bodies = bodies.filter_map(|(body, motion)| Some((body.as_ref()?, motion)));
+        let bodies = (0_u32..).zip(self.bodies.iter().zip(&mut motions));
+        let bodies = bodies.filter_map(|(id, (body, motion))| Some((id, body.as_ref()?, motion)));
         let rows = places.iter().zip(velocities).zip(spins);
-        for ((body, motion), ((pose, v), w)) in bodies.zip(rows) {
+        for ((id, body, motion), ((pose, v), w)) in bodies.zip(rows) {
             let moved = body.motion(pose, v.into(), w.into(), motion);
-            *motion = moved.map_err(refused)?;
+            *motion = reached("body", id, moved.map_err(refused)?)?;
         }
         Ok(motions)
     }
 
     /// The motions of the walls in the next update, where bodies have these motions.
-    fn moved_walls(&self, bodies: &[Motion]) -> Vec<Motion> {
-        let moved = |(last, next): (&Motion, &Motion)| {
+    fn moved_walls(&self, bodies: &[Motion]) -> PyResult<Vec<Motion>> {
+        let moved = |(id, (last, next)): (u32, (&Motion, &Motion))| {
             let mut travelled = last.travelled;
             if next.frame != last.frame {
                 let turned = next.frame.rotation != last.frame.rotation;
@@ -125,14 +125,26 @@ impl ContactBatch {
                 let reach = if turned { far.fold(0.0, f64::max) } else { 0.0 };
                 travelled += next.way_from(last, FARTHER * reach);
             }
-            Motion { travelled, ..*next }
+            reached("wall", id, Motion { travelled, ..*next })
         };
-        self.walls.iter().zip(&self.next_walls).map(moved).collect()
+        let walls = self.walls.iter().zip(&self.next_walls);
+        (0..).zip(walls).map(moved).collect()
     }
 
     fn laws(&self) -> ContactLaws {
         self.batch.laws().clone()
     }
+}
+
+/// Refuses a place without a finite way to it: no later one would have a finite way either.
+fn reached(what: &str, id: u32, motion: Motion) -> PyResult<Motion> {
+    if motion.travelled.is_finite() {
+        return Ok(motion);
+    }
+    let at: [f64; 3] = motion.frame.position.into();
+    let name = format!("pose of {what} {id}");
+    let allowed = "its distance from the last place must be finite";
+    Err(wrong(&name, format!("{at:?}"), allowed))
 }
 
 fn law(name: &str, text: &str) -> PyResult<ContactLaw> {
@@ -164,7 +176,7 @@ impl ContactBatch {
         dt: f64,
     ) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
         let motions = self.read(places, velocities, angular_velocities)?;
-        let walls = self.moved_walls(&motions);
+        let walls = self.moved_walls(&motions)?;
         // Also if it is refused: the travel to the next places counts from these.
         (self.motions, self.walls) = (motions, walls);
         let bodies = self.bodies.iter_mut().flatten();

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use bincode::config::standard;
-use bincode::serde::{decode_from_slice, encode_to_vec};
 use femdem::contact::{self, BodyShape, ContactError, Inertia, Motion};
 use femdem::mesh::Matrix3;
+use femdem::solve::checkpoint::{decode, encode};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde::{Deserialize, Serialize};
@@ -43,14 +42,13 @@ impl ContactBatch {
             bodies: rows.collect(),
             motions: [&self.motions, &self.walls, &self.next_walls].map(Vec::clone),
         };
-        let bytes = unlocked(py, || encode_to_vec(&stored, standard()))?;
+        let bytes = unlocked(py, || encode(&stored))?;
         Ok(PyBytes::new(py, &bytes))
     }
 
     #[staticmethod]
     fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
-        let stored = unlocked(py, || decode_from_slice(bytes, standard()))?;
-        let (stored, _): (Stored<contact::ContactBatch, Vec<Form>>, usize) = stored;
+        let stored: Stored<contact::ContactBatch, Vec<Form>> = unlocked(py, || decode(bytes))?;
         let Stored {
             mut batch,
             shapes,

@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 
 use super::World;
 use crate::arrays::{column, rows, vectors};
-use crate::error::{FemdemError, options, refused};
+use crate::error::{FemdemError, options, refused, wrong};
 use crate::threads::unlocked;
 
 impl World {
@@ -67,6 +67,11 @@ impl World {
     ) -> PyResult<BondId> {
         let entry: BondEntry = options("bond", entry)?;
         let law = entry.law().map_err(refused)?;
+        let [a, b] = pair;
+        if a == b {
+            let allowed = "two bodies: give two different numbers";
+            return Err(wrong("bodies of a bond", format!("{a}, {b}"), allowed));
+        }
         self.are_rigid(&pair)?;
         let [from, to] = pair.map(|id| self.world.position(id).unwrap_or_default());
         let corners = rows::<3>("corners", corners)?;

@@ -9,20 +9,24 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::World;
+use super::{World, no_such};
 use crate::arrays::{column, table};
-use crate::error::{FemdemError, options, refused};
+use crate::error::{FemdemError, options, refused, wrong};
 
 impl World {
     /// Conditions on a body of a model, as a scene describes them.
     pub(super) fn boundary(&self, text: &str, model: ModelId) -> PyResult<Boundary> {
         let entries: Vec<BoundaryEntry> = options("boundary", text)?;
         let mut boundary = Boundary::default();
-        let Some(model) = self.world.model(model) else {
-            return Ok(boundary);
-        };
+        let known = self.world.model(model);
+        let known = known.ok_or_else(|| no_such("model", model, self.models.len()));
+        let model = known?;
         let radius = model.nodes().iter().map(|x| x.norm()).fold(0.0, f64::max);
         for entry in entries {
+            if !entry.name.is_empty() {
+                let allowed = "leave it out: names are for the results of scenes";
+                return Err(wrong("boundary.name", format!("{:?}", entry.name), allowed));
+            }
             let added = entry.add_to(&mut boundary, model, radius);
             added.map_err(refused)?;
         }
