@@ -138,7 +138,6 @@ impl<'a> Folds<'a> {
         Near {
             origin: around.center().coords,
             pairs: pairs.iter().map(candidate).collect(),
-            normals: Vec::new(),
             sides,
         }
     }

@@ -44,8 +44,7 @@ impl DeformableShape {
         if common[0] == 0 {
             a.gap(b, enough)
         } else {
-            let normal = a.separating_normal(b, common);
-            normal.map_or(0.0, |normal| a.gap_along(b, common, &normal))
+            a.hinge_gap(b, common)
         }
     }
 }
@@ -61,12 +60,10 @@ impl Itself<'_> {
     /// Computes the sums in the scratch. Returns up to which motion no candidates touch. What is inverted does not touch: its
     /// element has no stress, or the body will soon turn it back.
     pub fn sum(&self, near: &mut Near, motion: f64, scratch: &mut DeformableScratch) -> f64 {
-        near.normals.resize(near.pairs.len(), Vector3::zeros());
         let Near {
             origin,
             sides: members,
             pairs,
-            normals,
         } = near;
         scratch
             .sums
@@ -79,7 +76,7 @@ impl Itself<'_> {
             scratch.wholes[side].reset(count);
         }
         let mut clear = f64::INFINITY;
-        for (candidate, apart) in pairs.iter_mut().zip(normals) {
+        for candidate in pairs {
             let [i, j] = candidate.places;
             let parts = [(0, i), (1, j)].map(|(side, at)| self.parts(&members[side], at));
             if motion >= candidate.clear
@@ -99,24 +96,10 @@ impl Itself<'_> {
                 };
                 scratch.candidates += 1;
                 let pair = [a.whole, b.whole];
-                let common = self.shape.common_corners(pair);
-                let known = if *apart == Vector3::zeros() {
-                    -1.0
-                } else {
-                    p.gap_along(q, common, apart)
-                };
-                let gap = if known >= 0.0 {
-                    known
-                } else {
-                    self.shape.gap_of_wholes(pair, [p, q], f64::INFINITY)
-                };
-                if gap > 0.0 || known >= 0.0 {
+                let gap = self.shape.gap_of_wholes(pair, [p, q], f64::INFINITY);
+                if gap > 0.0 {
                     candidate.clear = motion + gap;
                 } else if intersect(p, q, &mut scratch.piece).is_none() {
-                    // A plane through an edge turns with it: its normal cannot be kept.
-                    if common[0].count_ones() < 2 {
-                        *apart = p.separating_normal(q, common).unwrap_or_default();
-                    }
                     candidate.clear = motion;
                 } else if !is_speck(p, q, &mut scratch.piece) {
                     let [of_a, of_b] = [(p, a.count), (q, b.count)]

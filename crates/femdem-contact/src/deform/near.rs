@@ -21,9 +21,6 @@ pub(crate) struct Near {
     pub sides: [Members; 2],
     /// In ascending order of their indices in the lists.
     pub pairs: Vec<Candidate>,
-    /// By pair of a body with itself, the normal of a plane that separated it; zero if none is known, empty before the first
-    /// sums.
-    pub normals: Vec<Vector3>,
 }
 
 /// The tetrahedra of one side that appear in pairs, ascending, and their nodes.
@@ -111,7 +108,6 @@ impl Sides<'_> {
         Ok(Some(Box::new(Near {
             origin: origin + within.centre,
             pairs: within.candidates([&sides[0].tets, &sides[1].tets], motion),
-            normals: Vec::new(),
             sides,
         })))
     }

@@ -37,7 +37,6 @@ impl Walk<'_, '_> {
             origin,
             sides: members,
             pairs,
-            ..
         } = self.near;
         *self.candidates = 0;
         let [list_a, list_b] = self.tets;

@@ -13,5 +13,4 @@ pub(crate) mod pieces;
 pub(crate) mod polygon;
 pub(crate) mod posed;
 pub(crate) mod row;
-pub(crate) mod separation;
 pub(crate) mod skins;

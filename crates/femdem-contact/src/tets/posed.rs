@@ -105,6 +105,40 @@ impl Posed {
         gap
     }
 
+    /// The motion of the corners towards each other, m, up to which a face separates two tetrahedra with common corners, which stay
+    /// so; 0 if none does now. `common`: bit k for corner k of self and of the other.
+    pub fn hinge_gap(&self, other: &Self, common: [u8; 2]) -> f64 {
+        let gap = self.under_hinge(other, common);
+        let turned = other.under_hinge(self, [common[1], common[0]]);
+        if turned > gap { turned } else { gap }
+    }
+
+    /// The same by the faces of self.
+    fn under_hinge(&self, other: &Self, common: [u8; 2]) -> f64 {
+        let mut gap = 0.0;
+        let own = |k: &usize| common[0] & (1 << k) == 0;
+        // Faces that all common corners belong to.
+        for k in (0..4).filter(own) {
+            let [a, b, c] = [1, 2, 3].map(|i| self.corners[(k + i) % 4]);
+            let [p, q, r] = [b - a, c - b, a - c];
+            let longest = p.norm_squared().max(q.norm_squared()).max(r.norm_squared());
+            let height = p.cross(&r).norm() / longest.sqrt();
+            let mut least = f64::INFINITY;
+            for (j, x) in other.corners.iter().enumerate() {
+                if common[1] & (1 << j) == 0 {
+                    // Where its corners move by m, the plane turns by less than m over half its height.
+                    let arm = (x - a).norm().max((x - b).norm()).max((x - c).norm());
+                    let clear = -self.depth(k, x) / (1.0 + 2.0 * arm / height);
+                    least = if clear < least { clear } else { least };
+                }
+            }
+            if least.is_finite() && least > gap {
+                gap = least;
+            }
+        }
+        gap
+    }
+
     /// As [`gap`](Self::gap), along normals of an edge of each, m.
     pub fn edge_gap(&self, other: &Self) -> f64 {
         let mut gap = f64::NEG_INFINITY;
@@ -147,7 +181,7 @@ pub(crate) fn extent(low: &Vector3, high: &Vector3) -> f64 {
 }
 
 /// The edges of a tetrahedron.
-pub(super) const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// Least and largest n.x of four corners.
 #[inline]
@@ -212,6 +246,8 @@ impl<T: Default> PosedList<T> {
 #[cfg(test)]
 mod tests {
     use super::super::current::Current;
+    use super::super::piece::Piece;
+    use super::super::pieces::intersect;
     use super::*;
 
     fn tet(corners: [[f64; 3]; 4]) -> Posed {
@@ -245,6 +281,57 @@ mod tests {
         assert!((below.edge_gap(&above) - 0.01).abs() < 1e-15);
         assert!((above.edge_gap(&below) - 0.01).abs() < 1e-15);
         assert_eq!(below.edge_gap(&below), f64::NEG_INFINITY);
+    }
+
+    /// Numbers from -1 to 1.
+    fn noise(state: &mut u64) -> f64 {
+        *state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 40) as f64 / (1_u64 << 23) as f64 - 1.0
+    }
+
+    /// Corners that all move by half the gap do not make two tetrahedra overlap that are joined at one or two of them.
+    #[test]
+    fn nothing_overlaps_before_the_gap_is_used_up() {
+        let mut state = 7;
+        let mut piece = Piece::default();
+        let mut seen = [0; 2];
+        for trial in 0..30_000 {
+            let joined = 1 + trial % 2;
+            let mut point = || Vector3::from([0; 3].map(|_| noise(&mut state)));
+            let mut corners: Vec<Vector3> = (0..8).map(|_| point()).collect();
+            let ways: Vec<Vector3> = (0..8).map(|_| point().normalize()).collect();
+            // The second begins with the common corners.
+            let build = |corners: &[Vector3]| {
+                let mut second = [corners[4], corners[5], corners[6], corners[7]];
+                second[..joined].copy_from_slice(&corners[..joined]);
+                let first = [corners[0], corners[1], corners[2], corners[3]];
+                let mut tets = [Current::default(), Current::default()];
+                let good = tets[0].deform(first, &[0.0; 4], 1.0, 0)
+                    & tets[1].deform(second, &[0.0; 4], 1.0, 0);
+                good.then(|| tets.map(|tet| tet.planes()))
+            };
+            let common = [(1 << joined) - 1; 2];
+            let Some([a, b]) = build(&corners) else {
+                continue;
+            };
+            let gap = a.hinge_gap(&b, common);
+            if gap == 0.0 {
+                continue;
+            }
+            for (x, way) in corners.iter_mut().zip(&ways) {
+                *x += way * (0.4999 * gap);
+            }
+            if let Some([a, b]) = build(&corners) {
+                seen[joined - 1] += 1;
+                let common = intersect(&a, &b, &mut piece).map_or(0.0, |_| {
+                    piece.moments_and_faces(0, &mut 0, |_, _| ()).volume
+                });
+                assert!(common < 1e-12, "{joined} {trial} {common}");
+            }
+        }
+        assert!(seen.iter().all(|n| *n > 100), "{seen:?}");
     }
 
     /// A corner over a face: the plane of the face gives the distance.
