@@ -28,8 +28,9 @@ type Cell = [i32; 3];
 /// Index of a size class; sizes within a class differ by less than four to one.
 type Level = u16;
 
+/// Where a body is looked for.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Entry {
+pub(crate) struct Entry {
     low: Vector3,
     high: Vector3,
     centre: Vector3,
@@ -135,6 +136,31 @@ impl Broadphase {
         if let Some(grid) = self.grids.get_mut(&entry.level) {
             grid.remove(&entry.cell, body as u32);
         }
+    }
+
+    /// The entry of a body.
+    pub(crate) fn entry(&self, body: usize) -> Option<Entry> {
+        self.entries.get(body).cloned().flatten()
+    }
+
+    /// Takes all bodies out.
+    pub(crate) fn clear(&mut self) {
+        self.entries.clear();
+        self.grids.clear();
+    }
+
+    /// Enters a body that has no entry as it was entered elsewhere.
+    pub(crate) fn adopt(&mut self, body: usize, mut entry: Entry) {
+        let grid = self.grids.entry(entry.level).or_default();
+        if 2.0 * entry.reach > grid.size {
+            grid.resize(2.0 * entry.reach, entry.level, &mut self.entries);
+        }
+        entry.cell = cell_of(&entry.centre, grid.size);
+        grid.cells.entry(entry.cell).or_default().push(body as u32);
+        if self.entries.len() <= body {
+            self.entries.resize(body + 1, None);
+        }
+        self.entries[body] = Some(entry);
     }
 
     /// Half skin of a shape, m: how far a body may travel before it must be entered again.

@@ -541,9 +541,9 @@ impl Load {
         }
     }
 
-    /// Whether a step is stable even if all contacts of the body resisted the same motion. This cheap test
+    /// A step that is stable even if all contacts of the body resisted the same motion, s. This cheap bound
     /// suffices for most bodies at the step of the most restrictive one.
-    pub(crate) fn allows(&self, motion: &Motion, step: f64) -> bool {
+    pub(crate) fn safe_step(&self, motion: &Motion) -> f64 {
         let weighted = |[translation, turning]: [f64; 2]| {
             motion.inverse_mass * translation + motion.inverse_inertia_max * turning
         };
@@ -551,7 +551,7 @@ impl Load {
             stiffness,
             viscosity,
         } = self.bounds;
-        stable_step(weighted(stiffness), weighted(viscosity)) >= step * BOUNDS_TO_SPARE
+        stable_step(weighted(stiffness), weighted(viscosity)) / BOUNDS_TO_SPARE
     }
 }
 

@@ -147,7 +147,12 @@ impl Resistance {
     /// allows is therefore allowed by the whole. The share is 1 against partners that do not move: walls and
     /// sleeping bodies.
     pub fn largest_step(&self, motion: &Motion, most: f64) -> f64 {
-        largest_step(&self.stiffness, &self.viscosity, motion, most)
+        self.largest_step_from(motion, [0.0, most])
+    }
+
+    /// The same where `safe` (s) is known to be stable, between the two.
+    pub(crate) fn largest_step_from(&self, motion: &Motion, between: [f64; 2]) -> f64 {
+        largest_step(&self.stiffness, &self.viscosity, motion, between)
     }
 }
 
@@ -163,11 +168,24 @@ fn cholesky(m: &Matrix3) -> Matrix3 {
     Matrix3::new(a, 0.0, 0.0, b, d, 0.0, c, e, f)
 }
 
-/// Iterations of the search for the largest step; each ends at a stable one.
-const ROUNDS: usize = 3;
+/// Bits of the fraction of a double that bounds of the step leave out: they are multiples of 2^-10 of their power of two.
+const COARSE: u32 = 42;
 
-/// The largest step that is stable for a body with these springs and dashpots, at most `most`, s. Infinite
-/// for a body of zero inverse mass and inertia.
+/// The number on the grid of [bounds of the step](COARSE) at or below a positive number.
+fn rung(step: f64) -> u64 {
+    step.to_bits() >> COARSE
+}
+
+/// The positive number of a rung.
+fn at_rung(rung: u64) -> f64 {
+    f64::from_bits(rung << COARSE)
+}
+
+/// The largest step that is stable for a body with these springs and dashpots, or `safe` if that is larger, at most `most`, s.
+/// Infinite for a body of zero inverse mass and inertia.
+///
+/// Steps below `most` are on a grid, and `most` is given back where it is stable: so the least over many bodies does not depend
+/// on their order, nor on how they are shared out.
 ///
 /// With the viscous force half a step late, the leapfrog step of a linear system is stable if dt^2/4 k + dt/2
 /// c <= 1 for every motion, where k and c are the Rayleigh quotients of stiffness and viscosity in the metric
@@ -176,33 +194,33 @@ fn largest_step(
     stiffness: &Generalized,
     viscosity: &Generalized,
     motion: &Motion,
-    most: f64,
+    [safe, most]: [f64; 2],
 ) -> f64 {
     let (w, root) = (motion.inverse_mass, cholesky(&motion.inverse_inertia));
     let traces = [stiffness, viscosity].map(|m| {
         w * m.translation.trace() + motion.inverse_inertia.component_mul(&m.turning).sum()
     });
     // Below this step even the sum of all eigenvalues is at most 1.
-    let safe = stable_step(traces[0], traces[1]);
+    let safe = stable_step(traces[0], traces[1]).max(safe);
     if safe >= most || safe == f64::INFINITY {
         return safe.min(most);
     }
     let (k, c) = (stiffness.by_mass(w, &root), viscosity.by_mass(w, &root));
-    let eigenvalue = |dt: f64| k.sum(0.25 * dt * dt, &c, 0.5 * dt).largest();
-    let mut step = if most.is_finite() { most } else { safe };
-    for _ in 0..ROUNDS {
-        let largest = eigenvalue(step);
-        if largest > 1.0 {
-            step /= largest;
+    let is_stable = |dt: f64| k.sum(0.25 * dt * dt, &c, 0.5 * dt).largest() <= 1.0;
+    if most.is_finite() && is_stable(most) {
+        return most;
+    }
+    // The largest eigenvalue is at least a sixth of the trace, and it grows at least in proportion to the step.
+    let (mut low, mut high) = (rung(safe), rung(most.min(8.0 * safe)) + 1);
+    while low + 1 < high {
+        let middle = low + (high - low) / 2;
+        if is_stable(at_rung(middle)) {
+            low = middle;
         } else {
-            if step >= most {
-                return most;
-            }
-            // A larger step scales the matrix by at most the square of the ratio.
-            step /= largest.sqrt();
+            high = middle;
         }
     }
-    step.min(most)
+    at_rung(low).min(most)
 }
 
 #[cfg(test)]
@@ -264,13 +282,15 @@ mod tests {
             let [mut stiffness, mut viscosity] = [Generalized::default(); 2];
             stiffness.add_along(&n, &Vector3::zeros(), k);
             viscosity.add_along(&n, &Vector3::zeros(), c);
-            let step = largest_step(&stiffness, &viscosity, &motion, f64::INFINITY);
+            let step = largest_step(&stiffness, &viscosity, &motion, [0.0, f64::INFINITY]);
             let ratio = step / stable_step(2.0 * k, 2.0 * c);
             assert!((0.9..1.0 + 1e-12).contains(&ratio), "k {k} c {c}: {ratio}");
-            assert!((largest_step(&stiffness, &viscosity, &motion, 1e-3) - 1e-3).abs() < 1e-18);
+            assert!(
+                (largest_step(&stiffness, &viscosity, &motion, [0.0, 1e-3]) - 1e-3).abs() < 1e-18
+            );
         }
         let none = Generalized::default();
-        let step = largest_step(&none, &none, &motion, f64::INFINITY);
+        let step = largest_step(&none, &none, &motion, [0.0, f64::INFINITY]);
         assert!(step.is_infinite());
     }
 
@@ -296,7 +316,7 @@ mod tests {
                 viscosity.add_along(&n, &vector(&mut next), viscous);
                 viscosity.add_about(&axis, 0.03);
             }
-            let step = largest_step(&stiffness, &viscosity, &motion, f64::INFINITY);
+            let step = largest_step(&stiffness, &viscosity, &motion, [0.0, f64::INFINITY]);
             let times = |m: &Generalized, [x, turn]: &[Vector3; 2]| {
                 [
                     m.translation * x + m.coupling.tr_mul(turn),

@@ -110,7 +110,7 @@ impl ContactLaws {
     }
 
     /// The largest gap over which bodies attract each other by any law, m.
-    pub(crate) fn attraction_range(&self) -> f64 {
+    pub fn attraction_range(&self) -> f64 {
         self.all()
             .map(ContactParameters::attraction_range)
             .fold(0.0, f64::max)

@@ -153,7 +153,10 @@ mod walls;
 pub use femdem_mesh as mesh;
 
 pub use adhesion::{Adhesion, VectorArea};
-pub use batch::{BatchTotals, BondId, ContactBatch, EdgeLoad, EndedBonds, Snapshot};
+pub use batch::{
+    BatchTotals, BodyRecord, BodyRecords, BondId, ContactBatch, EdgeLoad, EndedBonds, PairRecord,
+    Snapshot,
+};
 pub use body_shape::BodyShape;
 pub use bridge::LiquidBridge;
 pub use contact::{BodyId, ContactForce, Dashpots, Load, Partner, RigidContact, Springs, Wrench};

@@ -12,7 +12,25 @@ pub(crate) struct Slots {
     free: BTreeSet<u32>,
 }
 
+impl FromIterator<u32> for Slots {
+    /// These numbers in use, ascending, out of all up to the last of them.
+    fn from_iter<T: IntoIterator<Item = u32>>(numbers: T) -> Self {
+        let mut slots = Self::default();
+        for number in numbers {
+            slots.extend_to(number);
+            slots.count = number + 1;
+        }
+        slots
+    }
+}
+
 impl Slots {
+    /// Counts the numbers below `count` among those given out.
+    pub fn extend_to(&mut self, count: u32) {
+        self.free.extend(self.count..count);
+        self.count = self.count.max(count);
+    }
+
     /// Gives out the lowest number that is not in use. The second is whether it is new: lists by number grow by one then.
     pub fn take(&mut self) -> (u32, bool) {
         if let Some(slot) = self.free.pop_first() {

@@ -119,6 +119,12 @@ pub enum SolveError {
         /// The element and its failure.
         failure: ElementFailure,
     },
+    /// Worlds that share bodies, or the way between them.
+    #[error("{why}")]
+    Ranks {
+        /// What is wrong and what to do.
+        why: String,
+    },
     /// A file could not be read or written.
     #[error("{action} {path}: {source}", path = path.display())]
     Io {

@@ -2,6 +2,7 @@
 
 use crate::world::CrackFlows;
 use serde::{Deserialize, Serialize};
+use std::ops::{Add, AddAssign};
 
 /// What bonds have exchanged, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -60,6 +61,28 @@ pub(crate) struct Pending {
     pub taken: f64,
     /// By the dashpots among them.
     pub damping: f64,
+}
+
+impl AddAssign for Flows {
+    /// The flows of another part of a world of rigid bodies that steps explicitly.
+    fn add_assign(&mut self, other: Self) {
+        for (sum, part) in [
+            (&mut self.work_in, other.work_in),
+            (&mut self.by_hand, other.by_hand),
+            (&mut self.load_work, other.load_work),
+            (&mut self.damping_work, other.damping_work),
+            (&mut self.friction_work, other.friction_work),
+            (&mut self.medium_work, other.medium_work),
+            (&mut self.broken, other.broken),
+            (&mut self.frozen, other.frozen),
+            (&mut self.exchanged, other.exchanged),
+        ] {
+            *sum += part;
+        }
+        for (sum, part) in self.last.iter_mut().zip(other.last) {
+            *sum += part;
+        }
+    }
 }
 
 impl Flows {
@@ -167,6 +190,40 @@ pub struct Ledger {
     /// Energy exchanged so far: the sum over the steps of |change of the kinetic energy|, |work of what is driven| and |work
     /// of external loads|.
     pub exchanged: f64,
+}
+
+impl Add for Ledger {
+    type Output = Self;
+
+    /// The ledger of two parts of a world.
+    fn add(self, other: Self) -> Self {
+        Self {
+            initial: self.initial + other.initial,
+            work_in: self.work_in + other.work_in,
+            by_hand: self.by_hand + other.by_hand,
+            load_work: self.load_work + other.load_work,
+            lent: self.lent + other.lent,
+            kinetic: self.kinetic + other.kinetic,
+            potential: self.potential + other.potential,
+            elastic: self.elastic + other.elastic,
+            strain: self.strain + other.strain,
+            friction_springs: self.friction_springs + other.friction_springs,
+            cracks: self.cracks + other.cracks,
+            bonds: self.bonds + other.bonds,
+            dissipated_friction: self.dissipated_friction + other.dissipated_friction,
+            dissipated_damping: self.dissipated_damping + other.dissipated_damping,
+            dissipated_medium: self.dissipated_medium + other.dissipated_medium,
+            dissipated_viscous: self.dissipated_viscous + other.dissipated_viscous,
+            dissipated_plastic: self.dissipated_plastic + other.dissipated_plastic,
+            dissipated_bridges: self.dissipated_bridges + other.dissipated_bridges,
+            dissipated_fracture: self.dissipated_fracture + other.dissipated_fracture,
+            dissipated_bonds: self.dissipated_bonds + other.dissipated_bonds,
+            dissipated_release: self.dissipated_release + other.dissipated_release,
+            dissipated_step: self.dissipated_step + other.dissipated_step,
+            frozen: self.frozen + other.frozen,
+            exchanged: self.exchanged + other.exchanged,
+        }
+    }
 }
 
 impl Ledger {

@@ -181,6 +181,7 @@ mod clock;
 mod error;
 mod fracture;
 mod guide;
+mod halo;
 mod ledger;
 mod parameters;
 mod rotation;
@@ -197,6 +198,7 @@ pub use clock::processor_time;
 pub use error::SolveError;
 pub use femdem_fem::{Drive, Driven};
 pub use fracture::Fracture;
+pub use halo::{Alone, Halo};
 pub use ledger::Ledger;
 pub use parameters::{
     ImplicitStep, Medium, SleepMeasure, SleepParameters, TimeStepParameters, WorldParameters,

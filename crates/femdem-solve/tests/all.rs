@@ -24,6 +24,7 @@ mod motion;
 mod periodic;
 mod physics;
 mod prescribed;
+mod ranks;
 mod refusals;
 mod relaxation;
 mod restart;

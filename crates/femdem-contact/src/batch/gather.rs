@@ -41,14 +41,12 @@ impl Sums {
         self.totals = BatchTotals::default();
     }
 
-    pub fn add(&mut self, awake: &[bool], pair: &Pair) {
-        self.totals.candidates += 1;
-        self.totals.energy_change += pair.energy() - pair.was;
-        self.totals.broken += pair.broken;
+    /// Adds a pair. One whose B belongs to another batch is on the books there.
+    pub fn add(&mut self, awake: &[bool], guests: &[bool], pair: &Pair) {
+        if !guests.get(pair.b as usize).is_some_and(|guest| *guest) {
+            self.book(pair);
+        }
         for contact in pair.contacts() {
-            self.totals.touching += usize::from(contact.patch == 0);
-            self.totals.energy += contact.potential();
-            self.totals.spring_energy += contact.spring_energy;
             match contact.a {
                 Partner::Body(a) if awake[a as usize] => {
                     self.loads[a as usize].add(contact, 0);
@@ -62,6 +60,18 @@ impl Sums {
             if pair.image != [0; 3] {
                 self.add_to_edges(contact, pair.image);
             }
+        }
+    }
+
+    fn book(&mut self, pair: &Pair) {
+        let totals = &mut self.totals;
+        totals.candidates += 1;
+        totals.energy_change += pair.energy() - pair.was;
+        totals.broken += pair.broken;
+        for contact in pair.contacts() {
+            totals.touching += usize::from(contact.patch == 0);
+            totals.energy += contact.potential();
+            totals.spring_energy += contact.spring_energy;
         }
     }
 

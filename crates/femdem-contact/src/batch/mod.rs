@@ -16,6 +16,7 @@ mod periodic;
 mod query;
 mod remove;
 mod search;
+mod share;
 mod stable;
 mod stored;
 
@@ -41,6 +42,7 @@ use gather::{Sums, load_not_finite};
 pub use implicit::Snapshot;
 use pairs::{Pair, PairTable};
 use serde::{Deserialize, Serialize};
+pub use share::{BodyRecord, BodyRecords, PairRecord};
 use std::sync::Arc;
 
 /// Fewer pairs than this are evaluated on the calling thread: handing them out would
@@ -516,8 +518,10 @@ impl ContactBatch {
             ahead: ahead.as_ref(),
         };
         self.sums.begin(&self.awake_list);
-        let seen = |pair: &Pair| self.sums.add(&self.awake, pair);
+        let guests = std::mem::take(&mut self.pairs.guests);
+        let seen = |pair: &Pair| self.sums.add(&self.awake, &guests, pair);
         evaluate::run(views, &mut self.pairs, seen);
+        self.pairs.guests = guests;
         // Outside of a step the host has changed what holds them, and keeps the books of that.
         if now.pace.dt > 0.0 {
             self.sums.totals.broken += self.pairs.broken;
@@ -595,7 +599,7 @@ impl ContactBatch {
     fn gather(&mut self) {
         self.sums.begin(&self.awake_list);
         for pair in self.pairs.evaluated() {
-            self.sums.add(&self.awake, pair);
+            self.sums.add(&self.awake, &self.pairs.guests, pair);
         }
         self.sum_loads_of_awake();
     }

@@ -81,7 +81,7 @@ impl Pair {
         self.touch.is_some() || patches
     }
 
-    /// As [`contacts`](Self::contacts).
+    /// As [`contacts`](Self::contacts), without that of a liquid bridge.
     pub fn contacts_mut(&mut self) -> impl Iterator<Item = &mut RigidContact> {
         let patches: &mut [PatchRecord] = match &mut self.cache {
             Cache::Mesh(mesh) => &mut mesh.patches,
@@ -92,6 +92,21 @@ impl Pair {
             .map(|t| &mut t.contact)
             .into_iter()
             .chain(patches.iter_mut().map(|p| &mut p.contact))
+    }
+
+    /// As [`contacts`](Self::contacts).
+    pub fn records_mut(&mut self) -> impl Iterator<Item = &mut RigidContact> {
+        let mut patches: &mut [PatchRecord] = &mut [];
+        let mut bridge = None;
+        match &mut self.cache {
+            Cache::Mesh(mesh) => patches = &mut mesh.patches,
+            Cache::Sphere(ball) => bridge = ball.bridge.as_deref_mut(),
+            Cache::Body(_) | Cache::Wall(_) => {}
+        }
+        let touch = self.touch.as_deref_mut().map(|t| &mut t.contact);
+        let across = bridge.and_then(|bridge| bridge.across_gap.as_mut());
+        let of_patches = patches.iter_mut().map(|p| &mut p.contact);
+        touch.into_iter().chain(of_patches).chain(across)
     }
 
     /// Whether the cache shows that the two are apart when the sum of their travels is `travelled`, m.
@@ -168,6 +183,8 @@ pub(crate) struct PairTable {
     pub(super) order: Vec<u32>,
     changed: bool,
     kinds: Vec<Kind>,
+    /// Whether a body belongs to another batch; none does if the list is too short.
+    pub(super) guests: Vec<bool>,
     /// Whether a wall is a mesh.
     mesh_walls: Vec<bool>,
     /// Bodies of pairs that ended since this was last emptied.
@@ -238,6 +255,41 @@ impl PairTable {
     /// Whether any body or wall is a mesh.
     pub fn has_meshes(&self) -> bool {
         self.kinds.contains(&Kind::Mesh) || self.mesh_walls.contains(&true)
+    }
+
+    /// Whether a code is that of a body.
+    pub(super) fn is_body(&self, code: u32) -> bool {
+        code < WALL
+    }
+
+    /// Whether a body belongs to another batch.
+    pub fn is_guest(&self, body: BodyId) -> bool {
+        self.guests.get(body as usize).is_some_and(|guest| *guest)
+    }
+
+    /// Replaces the bodies and all pairs.
+    pub(super) fn give(&mut self, kinds: Vec<Kind>, guests: Vec<bool>, pairs: Vec<Pair>) {
+        self.neighbours = vec![Vec::new(); kinds.len()];
+        self.kinds = kinds;
+        self.guests = guests;
+        self.free.clear();
+        self.order.clear();
+        self.left.clear();
+        for (slot, pair) in (0..).zip(&pairs) {
+            let (a, b) = match pair.a {
+                Partner::Body(a) => (a, pair.b),
+                Partner::Wall(w) => (WALL | w, pair.b),
+            };
+            self.neighbours[b as usize].push(Neighbour { code: a, slot });
+            if a < WALL {
+                self.neighbours[a as usize].push(Neighbour { code: b, slot });
+            }
+        }
+        for list in &mut self.neighbours {
+            list.sort_unstable_by_key(|n| n.code);
+        }
+        self.slots = pairs;
+        self.changed = true;
     }
 
     fn is_mesh(&self, code: u32) -> bool {
@@ -392,14 +444,17 @@ impl PairTable {
             self.neighbours[neighbour.code as usize].retain(|n| n.code != body);
             self.left.push(neighbour.code);
         }
+        let is_booked = !self.is_guest(self.slots[neighbour.slot as usize].b);
         let pair = &mut self.slots[neighbour.slot as usize];
-        self.broken += pair.bridge().map_or(0.0, |bridge| bridge.work_of_rupture);
+        if is_booked {
+            self.broken += pair.bridge().map_or(0.0, |bridge| bridge.work_of_rupture);
+        }
         pair.part();
         self.free.push(neighbour.slot);
         self.changed = true;
     }
 
-    /// Rebuilds the list of pairs with an awake body, sorted by (a, b), walls last.
+    /// Rebuilds the list of pairs with an awake body, and with one that is no guest, sorted by (a, b), walls last.
     pub fn refresh_order(&mut self, awake: &[bool], awake_list: &[BodyId]) {
         if !self.changed {
             return;
@@ -410,7 +465,8 @@ impl PairTable {
             for n in &self.neighbours[i as usize] {
                 let j = n.code;
                 let other_lists_it = j < WALL && awake[j as usize] && j < i;
-                if !other_lists_it {
+                let is_own = !self.is_guest(i) || (j < WALL && !self.is_guest(j));
+                if is_own && !other_lists_it {
                     let (first, second) = if j < WALL {
                         (i.min(j), i.max(j))
                     } else {

@@ -109,6 +109,11 @@ impl ContactBatch {
         self.pairs.contacts_of(body)
     }
 
+    /// Candidate pairs of a rigid body.
+    pub fn candidates_of(&self, body: BodyId) -> usize {
+        self.pairs.of(body).count()
+    }
+
     /// Candidate pairs that will be evaluated at the next update.
     pub fn candidate_count(&self) -> usize {
         self.pairs.order_len()

@@ -38,11 +38,15 @@ impl ContactBatch {
     /// [`Resistance::largest_step`], with sleeping partners fixed.
     pub fn largest_step(&self, body: BodyId, motion: &Motion, most: f64) -> f64 {
         let load = self.sums.loads.get(body as usize);
-        let allows = load.is_none_or(|load| load.allows(motion, most));
-        if allows && self.by_deformables(body).is_none() {
-            return most;
-        }
-        self.resistance_of(body).largest_step(motion, most)
+        let alone = load.map_or(f64::INFINITY, |load| load.safe_step(motion));
+        // The loads of rigid contacts say nothing of the others.
+        let safe = match self.by_deformables(body) {
+            Some(_) => 0.0,
+            None if alone >= most => return most,
+            None => alone,
+        };
+        self.resistance_of(body)
+            .largest_step_from(motion, [safe, most])
     }
 
     /// Springs and dashpots on a rigid body that deformable ones touch.

@@ -1,6 +1,6 @@
 //! Tests of strength with known results, for `cargo studies validate fracture`: nothing is fitted to them.
 //!
-//! Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
+//! Takes which test to run, and for discs the number of one of them, from 0. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
 
 mod bar;
 mod block;
@@ -16,7 +16,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     match which.as_str() {
         "bar" => bars(&mut out),
         "block" => blocks(&mut out),
-        "disc" => discs(&mut out),
+        "disc" => match std::env::args().nth(2) {
+            Some(one) => discs(&mut out, Some(one.parse()?)),
+            None => discs(&mut out, None),
+        },
         _ => Err("say which: bar, block or disc".into()),
     }
 }
@@ -71,7 +74,7 @@ fn blocks(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
 }
 
 /// Discs across their diameter: three energies of fracture on one mesh, the smallest on three, half of it on the finest.
-fn discs(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+fn discs(out: &mut impl Write, one: Option<usize>) -> Result<(), Box<dyn Error>> {
     let runs = [
         (1.75e-3, 20.0),
         (1.75e-3, 10.0),
@@ -80,7 +83,9 @@ fn discs(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
         (1.25e-3, 5.0),
         (1.25e-3, 2.5),
     ];
-    for (edge, energy) in runs {
+    let chosen = runs.into_iter().enumerate();
+    let chosen = chosen.filter(|(k, _)| one.is_none_or(|one| one == *k));
+    for (_, (edge, energy)) in chosen {
         let disc = disc::split(edge, energy)?;
         let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * edge, disc.tets);
         let setting = format!("{energy} J/m2");

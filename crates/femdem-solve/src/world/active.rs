@@ -15,6 +15,7 @@
 use super::World;
 use crate::body::Means;
 use crate::error::SolveError;
+use crate::halo::Halo;
 use crate::parameters::{SleepMeasure, SleepParameters, WorldParameters};
 use femdem_contact::{Load, Partner, PeriodicCell};
 use femdem_mesh::Vector3;
@@ -43,7 +44,7 @@ impl Means {
 
 impl World {
     /// Freezes and wakes bodies; called after every step.
-    pub(super) fn update_active_set(&mut self) {
+    pub(super) fn update_active_set(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         // Also where sleep is forbidden, so that bodies at rest sleep at once when it is
         // allowed again.
         self.count_quiet_steps();
@@ -55,29 +56,34 @@ impl World {
             }
             self.unsettled = true;
         }
-        let needed = self.parameters.sleeping.steps();
-        let mut awake = self.awake.iter().map(|&i| &self.bodies[i as usize]);
-        self.unsettled = self.unsettled && !awake.all(|body| body.quiet_steps >= needed);
+        if self.unsettled {
+            let needed = self.parameters.sleeping.steps();
+            let mut awake = self.awake.iter().map(|&i| &self.bodies[i as usize]);
+            let rest = awake.all(|body| body.quiet_steps >= needed);
+            self.unsettled = is_any(!rest, halo)?;
+        }
         if self.unsettled || !self.parameters.sleeping.enabled {
-            return;
+            return Ok(());
         }
         let struck = self.struck_bodies();
         self.wake(&struck);
         self.wake_left();
         let recheck = u64::from(self.parameters.sleeping.recheck());
         if self.steps.is_multiple_of(recheck) {
+            self.tell_rest(halo)?;
             let sleepers = self.bodies_to_freeze();
             let wakers = self.bodies_to_wake();
             self.freeze(&sleepers);
             self.wake(&wakers);
         }
+        self.tell_rest(halo)
     }
 
     /// Wakes sleepers that have lost a contact without which they are not balanced. They are no longer beside
     /// any awake body, and would not be re-examined.
     pub(super) fn wake_left(&mut self) {
         let mut left = self.batch.left_sleepers();
-        left.retain(|&i| !self.holds(i));
+        left.retain(|&i| !self.is_guest(i) && !self.holds(i));
         self.wake(&left);
     }
 
@@ -96,15 +102,21 @@ impl World {
 
     /// Wakes everything before anything moves as prescribed. Returns whether something slept: the step was
     /// not chosen for it.
-    #[must_use]
-    pub(super) fn wake_for_drives(&mut self, ahead: f64) -> bool {
-        let rigid = self.awake.len() < self.rigid_count();
+    pub(super) fn wake_for_drives(
+        &mut self,
+        ahead: f64,
+        halo: &mut dyn Halo,
+    ) -> Result<bool, SolveError> {
+        if !self.is_driven(ahead) {
+            return Ok(false);
+        }
+        let rigid = !self.rigid_ids().all(|i| self.batch.is_awake(i));
         let asleep = rigid || self.awake_deformable_count() < self.deformable_count();
-        let wakes = asleep && self.is_driven(ahead);
+        let wakes = is_any(asleep, halo)?;
         if wakes {
             self.wake_all();
         }
-        wakes
+        Ok(wakes)
     }
 
     /// Load scale of a body, N.
@@ -201,7 +213,7 @@ impl World {
         let needed = self.parameters.sleeping.steps();
         let rested = |i: u32| self.bodies[i as usize].quiet_steps >= needed;
         let settled = |p: Partner| match p {
-            Partner::Body(j) => self.batch.is_awake(j) || self.holds(j),
+            Partner::Body(j) => self.batch.is_awake(j) || self.stays_balanced(j),
             Partner::Wall(_) => true,
         };
         let list = self
@@ -222,7 +234,7 @@ impl World {
 
     /// Whether the recorded forces of a frozen body balance well enough for it to stay asleep. Its means
     /// follow them with a delay, and are not updated once nothing near it is awake.
-    fn holds(&self, i: u32) -> bool {
+    pub(super) fn holds(&self, i: u32) -> bool {
         let load = self.batch.load_of(i);
         let share = self.wake_share(i as usize, &load);
         let bound = share * self.measure_of_balance(i as usize, &load);
@@ -237,6 +249,7 @@ impl World {
         let rule = self.parameters.sleeping;
         let share = f64::from(rule.recheck()) / f64::from(rule.window);
         let mut list = self.batch.sleeping_neighbours();
+        list.retain(|&i| !self.is_guest(i));
         list.retain(|&i| {
             let load = self.batch.load_of(i);
             self.mix(i as usize, &load, share);
@@ -254,8 +267,9 @@ impl World {
             return Vec::new();
         }
         let loads = self.batch.loads();
-        self.batch
-            .struck_sleepers(|i, force| force > STRUCK * self.scale(i as usize, &loads[i as usize]))
+        self.batch.struck_sleepers(|i, force| {
+            !self.is_guest(i) && force > STRUCK * self.scale(i as usize, &loads[i as usize])
+        })
     }
 
     fn freeze(&mut self, list: &[u32]) {
@@ -351,8 +365,12 @@ impl World {
     /// Wakes all bodies.
     pub fn wake_all(&mut self) {
         let ids = self.rigid_ids();
-        let asleep: Vec<u32> = ids.filter(|&i| !self.batch.is_awake(i)).collect();
-        self.wake(&asleep);
+        let asleep = ids.filter(|&i| !self.batch.is_awake(i));
+        let (guests, own): (Vec<u32>, Vec<u32>) = asleep.partition(|&i| self.is_guest(i));
+        self.wake(&own);
+        for guest in guests {
+            self.batch.set_awake(guest, true);
+        }
         if let Some(deformables) = &mut self.deformables {
             deformables.wake_all(&mut self.batch);
         }
@@ -384,4 +402,11 @@ impl World {
         }
         Ok(())
     }
+}
+
+/// Whether something is so on any rank.
+fn is_any(so: bool, halo: &mut dyn Halo) -> Result<bool, SolveError> {
+    let mut least = [if so { 0.0 } else { 1.0 }];
+    halo.least(&mut least)?;
+    Ok(least[0] < 1.0)
 }

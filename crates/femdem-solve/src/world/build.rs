@@ -40,6 +40,7 @@ impl World {
             initial_energy: 0.0,
             flows: Flows::default(),
             deformables: None,
+            share: None,
             counters: Counters::default(),
         })
     }
@@ -96,6 +97,7 @@ impl World {
     ) -> Result<(), SolveError> {
         let laws = parameters.laws(others)?;
         self.restored()?;
+        self.not_shared("given other parameters")?;
         self.parameters = parameters;
         self.batch.set_laws(laws);
         if let Some(deformables) = &mut self.deformables {
@@ -192,6 +194,7 @@ impl World {
             });
         };
         self.restored()?;
+        self.not_shared("given bodies")?;
         let contact = &self.batch.shapes()[spec.shape as usize];
         let mut body = Body::new(&spec, shape, contact.radius())?;
         let (shape, thinner) = (spec.shape, self.step_control.meet(contact));

@@ -36,6 +36,7 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, and after [implicit](crate::ImplicitStep) steps, whose contacts are
     /// evaluated first, the errors of [`World::step`].
     pub fn remove_body(&mut self, id: BodyId) -> Result<(), SolveError> {
+        self.not_shared("robbed of bodies")?;
         self.known(id)?;
         self.evaluate_pending()?;
         let i = id as usize;
@@ -78,6 +79,7 @@ impl World {
     /// # Errors
     /// As [`World::remove_body`], and [`SolveError::Mesh`] for a pose that is none.
     pub fn set_pose(&mut self, id: BodyId, pose: Pose) -> Result<(), SolveError> {
+        self.not_shared("moved by hand")?;
         let i = self.known_body(id)?;
         let pose = checked_pose(&pose)?;
         self.evaluate_pending()?;
@@ -117,6 +119,7 @@ impl World {
         velocity: Vector3,
         angular_velocity: Vector3,
     ) -> Result<(), SolveError> {
+        self.not_shared("moved by hand")?;
         let i = self.known_body(id)?;
         self.restored()?;
         check_velocities(&velocity, &angular_velocity)?;

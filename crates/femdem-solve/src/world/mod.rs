@@ -13,6 +13,7 @@ mod medium;
 mod newcomers;
 mod periodic;
 mod query;
+mod ranks;
 mod relax;
 mod restart;
 mod stability;
@@ -106,6 +107,8 @@ pub struct World {
     flows: Flows,
     /// What a batch does not hold of deformable bodies; absent in a world of rigid ones.
     deformables: Option<Box<Deformables>>,
+    /// What a rank knows of the others; absent in a world that has all bodies.
+    share: Option<Box<ranks::Share>>,
     #[serde(skip)]
     counters: Counters,
 }

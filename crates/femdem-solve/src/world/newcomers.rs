@@ -87,9 +87,7 @@ impl World {
             return 0.0;
         }
         let kind = |c: &&RigidContact| self.newcomers.kind(c.a, c.b);
-        let brought = sums(self.batch.rigid_contacts().into_iter(), kind, |c| {
-            c.potential()
-        });
+        let brought = sums(self.booked_contacts(), kind, |c| c.potential());
         self.book(brought);
         brought.iter().sum()
     }

@@ -180,10 +180,10 @@ impl World {
         self.live_bodies().filter(|(_, b)| b.driven.is_none())
     }
 
-    /// All rigid bodies, driven ones too.
+    /// All rigid bodies, driven ones too, without guests.
     pub(super) fn live_bodies(&self) -> impl Iterator<Item = (usize, &Body)> {
-        self.rigid_ids()
-            .map(|id| (id as usize, &self.bodies[id as usize]))
+        let own = self.rigid_ids().filter(|&id| !self.is_guest(id));
+        own.map(|id| (id as usize, &self.bodies[id as usize]))
     }
 
     /// Linear momentum of all bodies except driven ones, kg m/s.
@@ -225,6 +225,12 @@ impl World {
         self.batch.rigid_contacts()
     }
 
+    /// Those on the books of this rank.
+    pub(super) fn booked_contacts(&self) -> impl Iterator<Item = &RigidContact> {
+        let contacts = self.batch.rigid_contacts().into_iter();
+        contacts.filter(|contact| !self.is_guest(contact.b))
+    }
+
     /// The walls with their indices, ascending. The indices have gaps once walls were [removed](Self::remove_wall).
     pub fn walls(&self) -> impl Iterator<Item = (u32, &WallShape)> {
         self.batch.walls()
@@ -254,8 +260,7 @@ impl World {
 
     /// Elastic energy of the recorded contacts and that of their attraction, without that of friction springs, of the deformable bodies, and of bonds, J.
     pub fn stored_energy(&self) -> f64 {
-        let rigid = self.batch.rigid_contacts().into_iter();
-        let rigid = rigid.map(RigidContact::potential);
+        let rigid = self.booked_contacts().map(RigidContact::potential);
         let soft = self.deformable_totals().map(|totals| totals.energy);
         let strain = self.deformables().map(|body| {
             let cracks = body.cracks().map_or(0.0, |cracks| cracks.stored());
@@ -330,7 +335,7 @@ impl World {
 
     /// The energy ledger now.
     pub fn ledger(&self) -> Ledger {
-        let contacts = self.batch.rigid_contacts();
+        let contacts: Vec<&RigidContact> = self.booked_contacts().collect();
         let soft = self.deformable_totals();
         let friction_springs = contacts.iter().map(|c| c.spring_energy).sum::<f64>()
             + soft.map_or(0.0, |t| t.spring_energy);

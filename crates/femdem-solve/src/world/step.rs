@@ -7,6 +7,7 @@ use crate::body::Body;
 use crate::clock::Stopwatch;
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
+use crate::halo::{Alone, Halo};
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::rotation;
@@ -65,16 +66,29 @@ impl World {
         &mut self,
         mut host: impl FnMut(Partner, f64) -> Option<Driven>,
     ) -> Result<(), SolveError> {
+        self.not_shared("stepped alone")?;
+        self.advance(&mut host, &mut Alone)
+    }
+
+    /// A step of this rank.
+    pub(super) fn advance(
+        &mut self,
+        host: &mut impl FnMut(Partner, f64) -> Option<Driven>,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
         self.restored()?;
         if let Some(rule) = self.parameters.time_step.implicit {
-            return self.step_implicit(&rule, &mut host);
+            return self.step_implicit(&rule, host);
+        }
+        if !self.loaded {
+            self.meet_guests(halo)?;
         }
         self.evaluate_if_due()?;
-        let mut dt = self.choose_step()?;
-        self.ask(self.time + dt, &mut host)?;
-        if self.wake_for_drives(dt) {
-            dt = self.choose_step()?;
-            self.ask(self.time + dt, &mut host)?;
+        let mut dt = self.choose_step(halo)?;
+        self.ask(self.time + dt, host)?;
+        if self.wake_for_drives(dt, halo)? {
+            dt = self.choose_step(halo)?;
+            self.ask(self.time + dt, host)?;
         }
         self.check_step(dt)?;
         self.kick(0.5 * dt);
@@ -83,13 +97,14 @@ impl World {
         self.arrive();
         self.steps += 1;
         self.advance_deformables(dt)?;
+        self.meet_guests(halo)?;
         self.touch(dt)?;
         self.kick(0.5 * dt);
         let deformable = self.kick_deformables(0.5 * dt);
         self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
         self.end_bonds()?;
-        self.update_active_set();
+        self.update_active_set(halo)?;
         self.rest_deformables()?;
         self.crack_deformables()?;
         self.retire_cracks();
@@ -113,13 +128,20 @@ impl World {
         )
     }
 
-    fn choose_step(&mut self) -> Result<f64, SolveError> {
+    /// Also deals the bodies anew if one of them may leave what its rank knows of.
+    fn choose_step(&mut self, halo: &mut dyn Halo) -> Result<f64, SolveError> {
         self.renew_cap();
         let bound = self.awake.iter().fold(self.deformable_bound(), |most, &i| {
             self.batch.largest_step(i, &self.motions[i as usize], most)
         });
         let bound = self.bound_at_touch(bound);
-        let usual = self.usual_step()?;
+        // The bound at touch is the same on all ranks, and the least of the others.
+        let mut least = [bound, self.usual_step()?, self.slack()];
+        halo.least(&mut least)?;
+        let [bound, usual, slack] = least;
+        if slack <= 0.0 {
+            self.deal_again(halo)?;
+        }
         let rule = &self.parameters.time_step;
         Ok(self.step_control.choose(bound, usual, rule))
     }

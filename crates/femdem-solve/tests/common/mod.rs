@@ -6,6 +6,8 @@
     reason = "every test file uses its own part, and helpers of tests fail the test"
 )]
 
+pub mod ranks;
+
 use femdem_contact::{BodyId, ContactParameters, Field, Wall};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Translation3, Vector3};

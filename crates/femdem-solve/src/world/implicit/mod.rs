@@ -20,6 +20,7 @@ use super::time_step::LARGEST_MOVE;
 use crate::body::Body;
 use crate::clock::Stopwatch;
 use crate::error::{SolveError, check};
+use crate::halo::Alone;
 use crate::ledger::{Flows, Pending};
 use crate::parameters::ImplicitStep;
 use crate::rotation;
@@ -73,7 +74,7 @@ impl World {
         let since = std::mem::take(&mut self.behind);
         let mut dt = self.choose_implicit_step(rule);
         self.ask(self.time + dt, host)?;
-        if self.wake_for_drives(dt) {
+        if self.wake_for_drives(dt, &mut Alone)? {
             dt = self.choose_implicit_step(rule);
             self.ask(self.time + dt, host)?;
         }
@@ -97,8 +98,7 @@ impl World {
         self.behind = dt;
         self.book_exchange(0.0);
         self.counters.body_steps += self.awake.len() as u64;
-        self.update_active_set();
-        Ok(())
+        self.update_active_set(&mut Alone)
     }
 
     /// Evaluates the existing contacts, and those that would close within the step. Leaves free bodies at the

@@ -1,0 +1,168 @@
+//! Batches that share the bodies of a whole: what one knows of a body and of a pair, to be handed to another.
+//!
+//! A body belongs to one batch; others near it have it as a guest. Of a pair with a guest both batches have their own copy, and
+//! evaluate it to the same bits. A pair is on the books of the batch that its B belongs to.
+
+use super::ContactBatch;
+use super::pairs::{Pair, PairTable};
+use crate::body_shape::Kind;
+use crate::broadphase::Entry;
+use crate::contact::{BodyId, Load, Partner};
+use crate::error::{ContactError, check};
+use crate::laws::MaterialId;
+use serde::{Deserialize, Serialize};
+
+/// What a batch knows of a rigid body alone.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct BodyRecord {
+    shape: u32,
+    material: MaterialId,
+    awake: bool,
+    load: Load,
+    entry: Option<Entry>,
+}
+
+impl BodyRecord {
+    /// Whether the body is awake.
+    pub fn is_awake(&self) -> bool {
+        self.awake
+    }
+}
+
+/// Bodies with their numbers, ascending.
+pub type BodyRecords = Vec<(BodyId, BodyRecord)>;
+
+/// A candidate pair: what it remembers, and its contacts.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct PairRecord(Pair);
+
+impl PairRecord {
+    /// Its sides.
+    pub fn sides(&self) -> (Partner, BodyId) {
+        (self.0.a, self.0.b)
+    }
+
+    /// Gives the bodies other numbers. `None` if one of them has none.
+    #[must_use]
+    pub fn renumbered(mut self, number: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+        let pair = &mut self.0;
+        if let Partner::Body(a) = pair.a {
+            pair.a = Partner::Body(number(a)?);
+        }
+        pair.b = number(pair.b)?;
+        let (a, b) = (pair.a, pair.b);
+        for contact in pair.records_mut() {
+            (contact.a, contact.b) = (a, b);
+        }
+        Some(self)
+    }
+}
+
+impl ContactBatch {
+    /// Takes all bodies out, with their pairs. Walls stay, and so do the loads on them.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] if there are deformable bodies or bonds: they cannot be shared out. Nothing is taken then.
+    pub fn take_bodies(&mut self) -> Result<(BodyRecords, Vec<PairRecord>), ContactError> {
+        let allowed = "0 in a batch whose bodies are shared out";
+        for (name, count) in [
+            ("number of deformable bodies", self.deformable_count()),
+            ("number of bonds", self.bonds.count()),
+        ] {
+            check(name, count as f64, count == 0, allowed)?;
+        }
+        let record = |id: BodyId| BodyRecord {
+            shape: self.body_shapes[id as usize],
+            material: self.materials.of_bodies[id as usize],
+            awake: self.awake[id as usize],
+            load: self.sums.loads[id as usize],
+            entry: self.broadphase.entry(id as usize),
+        };
+        let bodies = self.rigid_ids().map(|id| (id, record(id))).collect();
+        let pairs = self.pairs.take();
+        self.give_bodies(0, Vec::new(), Vec::new())?;
+        Ok((bodies, pairs.into_iter().map(PairRecord).collect()))
+    }
+
+    /// Gives a batch without bodies its bodies: each with its number, ascending and below `total`, and whether it is a guest.
+    /// Pairs are by these numbers.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] for a shape that is not there, a number out of order, and a pair of a body that is not there.
+    pub fn give_bodies(
+        &mut self,
+        total: u32,
+        bodies: Vec<(BodyId, BodyRecord, bool)>,
+        pairs: Vec<PairRecord>,
+    ) -> Result<(), ContactError> {
+        let mut numbers = bodies.windows(2).map(|w| (w[0].0, w[1].0));
+        let ascending = numbers.all(|(a, b)| a < b);
+        let last = bodies.last().map_or(0, |(id, ..)| id + 1);
+        if !ascending || last > total {
+            return Err(no_such("number of a body", last as usize, total as usize));
+        }
+        let length = total as usize;
+        self.body_slots = bodies.iter().map(|(id, ..)| *id).collect();
+        self.body_slots.extend_to(total);
+        self.body_shapes = vec![0; length];
+        self.materials.of_bodies = vec![MaterialId::default(); length];
+        self.awake = vec![false; length];
+        self.awake_list.clear();
+        self.awake_changed = true;
+        self.sums.loads = vec![Load::default(); length];
+        self.broadphase.clear();
+        let mut kinds = vec![Kind::Convex; length];
+        let mut guests = vec![false; length];
+        for (id, record, is_guest) in bodies {
+            let i = id as usize;
+            kinds[i] = self.known_shape(record.shape)?.kind();
+            guests[i] = is_guest;
+            self.body_shapes[i] = record.shape;
+            self.materials.of_bodies[i] = record.material;
+            self.awake[i] = record.awake;
+            self.sums.loads[i] = record.load;
+            if let Some(entry) = record.entry {
+                self.broadphase.adopt(i, entry);
+            }
+        }
+        for PairRecord(pair) in &pairs {
+            let is_there = match pair.a {
+                Partner::Body(a) => a < pair.b && self.contains(a),
+                Partner::Wall(wall) => self.wall_slots.holds(wall),
+            };
+            if !is_there || !self.contains(pair.b) {
+                return Err(no_such("body of a pair", pair.b as usize, self.len()));
+            }
+        }
+        let pairs = pairs.into_iter().map(|PairRecord(pair)| pair).collect();
+        self.pairs.give(kinds, guests, pairs);
+        Ok(())
+    }
+
+    /// Whether a body belongs to another batch.
+    pub fn is_guest(&self, body: BodyId) -> bool {
+        self.pairs.is_guest(body)
+    }
+}
+
+fn no_such(what: &'static str, index: usize, count: usize) -> ContactError {
+    ContactError::NoSuch { what, index, count }
+}
+
+impl PairTable {
+    /// Takes all pairs but those of two guests.
+    fn take(&mut self) -> Vec<Pair> {
+        let mut own: Vec<u32> = Vec::new();
+        for (i, list) in (0..).zip(&self.neighbours) {
+            let listed = |code: u32| self.is_body(code) && code < i;
+            let both = |code: u32| self.is_guest(i) && (!self.is_body(code) || self.is_guest(code));
+            let here = list.iter().filter(|n| !listed(n.code) && !both(n.code));
+            own.extend(here.map(|n| n.slot));
+        }
+        own.sort_unstable();
+        let mut next = own.into_iter().peekable();
+        let slots = (0..).zip(std::mem::take(&mut self.slots));
+        let taken = slots.filter(|(slot, _)| next.next_if_eq(slot).is_some());
+        taken.map(|(_, pair)| pair).collect()
+    }
+}

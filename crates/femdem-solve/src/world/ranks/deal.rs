@@ -1,0 +1,253 @@
+//! Bodies are given to the ranks in whose boxes they are, and lent to those near them.
+
+use super::parts::{Member, Parts};
+use super::{Cuts, Link, Share};
+use crate::body::Body;
+use crate::checkpoint;
+use crate::error::SolveError;
+use crate::halo::Halo;
+use crate::ledger::Flows;
+use crate::world::World;
+use crate::world::time_step::LARGEST_MOVE;
+use femdem_contact::{BodyId, PairRecord};
+use femdem_mesh::Vector3;
+use std::collections::BTreeMap;
+
+/// How far a body may travel before all are dealt anew, over the largest radius, and what it may move within a step.
+const WAY: f64 = 0.5 + LARGEST_MOVE;
+
+/// Two bodies become candidates at a distance of at most this many times the sum of their radii: their skins, and what they have
+/// moved since they were looked up.
+const SKINS: f64 = 1.1;
+
+/// Space is cut anew when the rank of the largest cost has this many times the mean.
+const UNEVEN: f64 = 1.1;
+
+impl World {
+    /// Keeps the part of this rank of a world that all have whole.
+    pub(super) fn deal_whole(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let total = self.bodies.len() as u32;
+        // The costs of all, found once and not by every rank.
+        let of_first = if halo.rank() == 0 {
+            self.costs()
+        } else {
+            Vec::new()
+        };
+        let cuts = Cuts::find(&of_first, halo)?;
+        let (parts, _) = self.take_apart()?;
+        if halo.rank() > 0 {
+            // The books of the whole are with the first rank.
+            self.flows = Flows::default();
+            self.initial_energy = 0.0;
+        }
+        let newcomers = &mut self.newcomers;
+        let all: Vec<Vec<BodyId>> = [&newcomers.added, &newcomers.moved]
+            .map(|things| things.bodies.iter().copied().collect())
+            .into();
+        self.keep(cuts, total, parts.members, parts.pairs, halo)?;
+        if let Some(share) = &self.share {
+            let local = |number: &BodyId| Some(share.numbers.binary_search(number).ok()? as BodyId);
+            let mut lists = all
+                .iter()
+                .map(|list| list.iter().filter_map(local).collect());
+            self.newcomers.added.bodies = lists.next().unwrap_or_default();
+            self.newcomers.moved.bodies = lists.next().unwrap_or_default();
+        }
+        Ok(())
+    }
+
+    /// Deals the bodies of all ranks anew.
+    pub(in crate::world) fn deal_again(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let Some(share) = self.share.as_deref() else {
+            return Ok(());
+        };
+        let (total, mut cuts) = (share.total, share.cuts.clone());
+        let costs = self.costs();
+        let own: u64 = costs.iter().map(|(_, cost)| cost).sum();
+        let (mut sum, mut most) = ([own], [-(own as f64)]);
+        halo.sum(&mut sum)?;
+        halo.least(&mut most)?;
+        if -most[0] > UNEVEN * sum[0] as f64 / halo.size() as f64 {
+            cuts = Cuts::find(&costs, halo)?;
+        }
+        let (parts, guests) = self.take_apart()?;
+        let (members, pairs) = self.pass_on(&cuts, parts, &guests, halo)?;
+        self.keep(cuts, total, members, pairs, halo)
+    }
+
+    /// All bodies in one world on the first rank, as if there were no others; the world here stays as it is.
+    ///
+    /// # Errors
+    /// What `halo` reports.
+    pub fn gather(&self, halo: &mut dyn Halo) -> Result<Option<Self>, SolveError> {
+        let Some(share) = self.share.as_deref() else {
+            return Ok(Some(self.clone()));
+        };
+        let mut whole = self.clone();
+        let (parts, _) = whole.take_apart()?;
+        let message = checkpoint::encode(&(parts, self.flows, self.initial_energy))?;
+        let received = halo.send(vec![(0, message)])?;
+        if halo.rank() > 0 {
+            return Ok(None);
+        }
+        let mut all = Parts::default();
+        (whole.flows, whole.initial_energy) = (Flows::default(), 0.0);
+        for (_, bytes) in received {
+            let (parts, flows, initial): (Parts, Flows, f64) = checkpoint::decode(&bytes)?;
+            all.members.extend(parts.members);
+            all.pairs.extend(parts.pairs);
+            whole.flows += flows;
+            whole.initial_energy += initial;
+        }
+        whole.put_all(share.total, all)?;
+        Ok(Some(whole))
+    }
+
+    /// Where the own bodies are, and what they cost.
+    fn costs(&self) -> Vec<(Vector3, u64)> {
+        let counters = &self.counters;
+        let (time, pairs) = self
+            .share
+            .as_ref()
+            .map_or_else(Default::default, |s| s.spent);
+        let spent = counters.contact_time.saturating_sub(time).as_nanos() as u64;
+        let of_pair = (spent / (counters.pair_evaluations - pairs).max(1)).clamp(1, 1 << 20);
+        let cost = |(i, body): (usize, &Body)| {
+            let awake = self.batch.is_awake(i as BodyId);
+            let pairs = if awake {
+                self.batch.candidates_of(i as BodyId) as u64
+            } else {
+                0
+            };
+            (body.position, of_pair * (1 + pairs))
+        };
+        self.live_bodies().map(cost).collect()
+    }
+
+    /// Within what distance of a box a body of some radius may meet one that was in it, until all are dealt anew, m.
+    fn reach(&self) -> impl Fn(f64) -> f64 + use<> {
+        let radii = self.batch.shapes().iter().map(|shape| shape.radius());
+        let largest = radii.fold(0.0, f64::max);
+        let attraction = self.batch.laws().attraction_range();
+        move |radius| SKINS * (largest + radius) + attraction + 2.0 * WAY * largest
+    }
+
+    /// Sends the bodies to their owners and to those near them, and the pairs to the owners of their bodies.
+    fn pass_on(
+        &self,
+        cuts: &Cuts,
+        parts: Parts,
+        guests: &BTreeMap<BodyId, Vector3>,
+        halo: &mut dyn Halo,
+    ) -> Result<(Vec<Member>, Vec<PairRecord>), SolveError> {
+        let reach = self.reach();
+        let owners: BTreeMap<BodyId, usize> = parts
+            .members
+            .iter()
+            .map(|member| (member.number, cuts.owner(&member.body.position)))
+            .chain(guests.iter().map(|(number, x)| (*number, cuts.owner(x))))
+            .collect();
+        let mut bags: BTreeMap<usize, Parts> = BTreeMap::new();
+        for member in parts.members {
+            let mut near = cuts.near(&member.body.position, reach(member.body.radius));
+            let last = near.pop();
+            for rank in near {
+                bags.entry(rank).or_default().members.push(member.clone());
+            }
+            if let Some(rank) = last {
+                bags.entry(rank).or_default().members.push(member);
+            }
+        }
+        for pair in parts.pairs {
+            let mut to: Vec<usize> = Vec::with_capacity(2);
+            for number in Share::is_of(&pair) {
+                let owner = owners.get(&number);
+                to.extend(owner.filter(|owner| !to.contains(owner)));
+            }
+            let last = to.pop();
+            for rank in to {
+                bags.entry(rank).or_default().pairs.push(pair.clone());
+            }
+            if let Some(rank) = last {
+                bags.entry(rank).or_default().pairs.push(pair);
+            }
+        }
+        let mut own = bags.remove(&halo.rank()).unwrap_or_default();
+        let encoded = bags
+            .iter()
+            .map(|(rank, bag)| Ok((*rank, checkpoint::encode(bag)?)));
+        let encoded = encoded.collect::<Result<Vec<_>, SolveError>>()?;
+        for (_, bytes) in halo.send(encoded)? {
+            let bag: Parts = checkpoint::decode(&bytes)?;
+            own.members.extend(bag.members);
+            own.pairs.extend(bag.pairs);
+        }
+        own.members.sort_by_key(|member| member.number);
+        Ok((own.members, own.pairs))
+    }
+
+    /// Keeps what belongs to this rank or near it, of members ascending by number.
+    fn keep(
+        &mut self,
+        cuts: Cuts,
+        total: u32,
+        members: Vec<Member>,
+        pairs: Vec<PairRecord>,
+        halo: &dyn Halo,
+    ) -> Result<(), SolveError> {
+        let (rank, reach) = (halo.rank(), self.reach());
+        let mut links: BTreeMap<usize, (Vec<BodyId>, Vec<BodyId>)> = BTreeMap::new();
+        let mut kept = Vec::new();
+        for member in members {
+            let x = &member.body.position;
+            let (owner, near) = (cuts.owner(x), cuts.near(x, reach(member.body.radius)));
+            let id = kept.len() as BodyId;
+            if owner == rank {
+                for other in near.into_iter().filter(|other| *other != rank) {
+                    links.entry(other).or_default().0.push(id);
+                }
+            } else if near.contains(&rank) {
+                links.entry(owner).or_default().1.push(id);
+            } else {
+                continue;
+            }
+            kept.push((member, owner));
+        }
+        let is_own = |number: &BodyId| {
+            let at = kept.binary_search_by_key(number, |(member, _)| member.number);
+            at.is_ok_and(|at| kept[at].1 == rank)
+        };
+        let pairs: Vec<PairRecord> = pairs
+            .into_iter()
+            .filter(|pair| Share::is_of(pair).any(|number| is_own(&number)))
+            .collect();
+        let numbers = self.put_together(kept, pairs, rank)?;
+        let way = WAY - LARGEST_MOVE;
+        let largest = self
+            .batch
+            .shapes()
+            .iter()
+            .map(|s| s.radius())
+            .fold(0.0, f64::max);
+        let until = self.bodies.iter().map(|b| b.travelled + way * largest);
+        let links = links
+            .into_iter()
+            .map(|(rank, (lent, guests))| Link { rank, lent, guests });
+        self.share = Some(Box::new(Share {
+            rank,
+            cuts,
+            total,
+            links: links.collect(),
+            until: until.collect(),
+            holds: vec![false; numbers.len()],
+            numbers,
+            spent: (self.counters.contact_time, self.counters.pair_evaluations),
+        }));
+        let moving = self
+            .awake
+            .iter()
+            .map(|&i| self.bodies[i as usize].kinetic_energy());
+        self.flows.last = [moving.sum(), self.flows.work_in, self.flows.load_work];
+        Ok(())
+    }
+}

@@ -1,0 +1,187 @@
+//! Worlds that share bodies: each rank owns those in its box, and has those near it as guests.
+//!
+//! A pair is evaluated on every rank that owns one of its bodies, to the same bits, so that no force travels. Guests follow their
+//! owners: within a step they get the places and velocities after the drift, and at its end the owner says whether they are
+//! awake. Local numbers ascend with those of the whole, so that sums are in the same order everywhere.
+//!
+//! Bodies are dealt anew before one of them can have come near another that its rank does not know of.
+
+mod cuts;
+mod deal;
+mod parts;
+mod swap;
+
+use super::World;
+use crate::error::SolveError;
+use crate::halo::Halo;
+use crate::ledger::Ledger;
+use cuts::Cuts;
+use femdem_contact::BodyId;
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// What a rank knows of the others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Share {
+    rank: usize,
+    cuts: Cuts,
+    /// Numbers in the whole, by local number.
+    numbers: Vec<BodyId>,
+    /// How many numbers the whole has.
+    total: u32,
+    /// The ranks that have guests of this one, or bodies that are guests here, ascending.
+    links: Vec<Link>,
+    /// Travel of each own body at which all are dealt anew, m.
+    until: Vec<f64>,
+    /// Whether a guest that sleeps is balanced.
+    holds: Vec<bool>,
+    /// Processor time and pairs evaluated when bodies were last dealt.
+    #[serde(skip)]
+    spent: (Duration, u64),
+}
+
+/// What two ranks exchange; lists by local number, ascending.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Link {
+    rank: usize,
+    /// Own bodies that are guests there.
+    lent: Vec<BodyId>,
+    /// Guests from there.
+    guests: Vec<BodyId>,
+}
+
+impl World {
+    /// Keeps the bodies of this rank, and those near them, of a world that all ranks have built alike. From then on
+    /// [`step_on`](Self::step_on) advances it.
+    ///
+    /// The ids of its bodies are local from then on, until bodies are next dealt: [`number_in_whole`](Self::number_in_whole) is
+    /// the number that a body had here.
+    ///
+    /// # Errors
+    /// [`SolveError::Ranks`] for what cannot be shared: deformable and driven bodies, bonds, a periodic cell, implicit
+    /// steps; if the worlds of the ranks differ, or their programs; and what `halo` reports.
+    pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        self.restored()?;
+        self.not_shared("shared out again")?;
+        self.can_be_shared()?;
+        self.agree(halo)?;
+        self.deal_whole(halo)
+    }
+
+    /// As [`step`](Self::step), of a world that is [shared out](Self::share_out).
+    ///
+    /// The state of all ranks together is the same bits as that of a world of its own after as many steps, for any number of
+    /// ranks.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step), and what `halo` reports.
+    pub fn step_on(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let rank = self.share.as_ref().map(|share| share.rank);
+        if rank.unwrap_or(0) != halo.rank() || (rank.is_none() && halo.size() > 1) {
+            return Err(ranks("the world was not shared out over these ranks"));
+        }
+        self.advance(&mut |_, _| None, halo)
+    }
+
+    /// Whether the world has a part of the bodies of a whole.
+    pub fn is_shared(&self) -> bool {
+        self.share.is_some()
+    }
+
+    /// Whether a body belongs to another rank.
+    pub fn is_guest(&self, id: BodyId) -> bool {
+        self.batch.is_guest(id)
+    }
+
+    /// The number of a body in the whole.
+    pub fn number_in_whole(&self, id: BodyId) -> Option<BodyId> {
+        let known = self.batch.is_rigid(id).then_some(id);
+        match &self.share {
+            Some(share) => share.numbers.get(known? as usize).copied(),
+            None => known,
+        }
+    }
+
+    /// The energy ledger of the whole, on every rank. Its sums are over ranks, and so their last digits depend on the number of
+    /// ranks; the motion does not.
+    ///
+    /// # Errors
+    /// What `halo` reports.
+    pub fn ledger_on(&self, halo: &mut dyn Halo) -> Result<Ledger, SolveError> {
+        let own = crate::checkpoint::encode(&self.ledger())?;
+        let others = (0..halo.size()).map(|rank| (rank, own.clone())).collect();
+        let mut sum: Option<Ledger> = None;
+        for (_, bytes) in halo.send(others)? {
+            let part: Ledger = crate::checkpoint::decode(&bytes)?;
+            sum = Some(sum.map_or(part, |sum| sum + part));
+        }
+        sum.ok_or_else(|| ranks("no rank has sent its ledger"))
+    }
+
+    /// Whether the bodies are in the whole as one of all ranks.
+    pub(super) fn not_shared(&self, what: &'static str) -> Result<(), SolveError> {
+        if self.share.is_some() {
+            return Err(SolveError::Ranks {
+                why: format!("a world that is shared out cannot be {what}: gather it first"),
+            });
+        }
+        Ok(())
+    }
+
+    fn can_be_shared(&self) -> Result<(), SolveError> {
+        let driven = self.live_bodies().any(|(_, body)| body.driven.is_some());
+        for (what, is_there) in [
+            ("deformable bodies", self.deformables.is_some()),
+            ("driven bodies", driven),
+            ("a periodic cell", self.cell().is_some()),
+            (
+                "implicit steps",
+                self.parameters.time_step.implicit.is_some(),
+            ),
+        ] {
+            if is_there {
+                return Err(SolveError::Ranks {
+                    why: format!("a world with {what} cannot be shared out: run it on one rank"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that the ranks have the same program and the same world.
+    fn agree(&self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let mine = [
+            f64::from(crate::checkpoint::VERSION),
+            self.bodies.len() as f64,
+            self.shapes.len() as f64,
+            self.steps as f64,
+            self.time,
+            self.step_control.top(&self.parameters.time_step),
+        ];
+        let mut both: Vec<f64> = mine.iter().chain(&mine.map(|x| -x)).copied().collect();
+        halo.least(&mut both)?;
+        let agrees = mine.iter().zip(&both).all(|(mine, least)| mine == least)
+            && both[..6].iter().zip(&both[6..]).all(|(a, b)| *a == -b);
+        if agrees {
+            return Ok(());
+        }
+        Err(ranks(
+            "the ranks have different programs or have built different worlds",
+        ))
+    }
+
+    /// Whether no body can have come near another that its rank does not know: more than 0 if so.
+    pub(super) fn slack(&self) -> f64 {
+        let Some(share) = &self.share else {
+            return f64::INFINITY;
+        };
+        let left = |&i: &BodyId| share.until[i as usize] - self.bodies[i as usize].travelled;
+        self.awake.iter().map(left).fold(f64::INFINITY, f64::min)
+    }
+}
+
+fn ranks(why: &str) -> SolveError {
+    SolveError::Ranks {
+        why: why.to_owned(),
+    }
+}

@@ -1,0 +1,143 @@
+//! The bodies and pairs of a world as data that travel.
+
+use super::Share;
+use crate::body::Body;
+use crate::checkpoint;
+use crate::error::SolveError;
+use crate::world::World;
+use femdem_contact::{BodyId, BodyRecord, Motion, PairRecord, Partner};
+use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A body with all that its owner knows of it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Member {
+    /// In the whole.
+    pub number: BodyId,
+    pub body: Body,
+    pub motion: Motion,
+    pub record: BodyRecord,
+}
+
+/// Bodies and pairs, by their numbers in the whole.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub(super) struct Parts {
+    pub members: Vec<Member>,
+    pub pairs: Vec<PairRecord>,
+}
+
+impl World {
+    /// Takes the bodies out: those of this rank, with the pairs whose B is one of them; and where the guests are, m.
+    pub(super) fn take_apart(&mut self) -> Result<(Parts, BTreeMap<BodyId, Vector3>), SolveError> {
+        let number = |id: BodyId| match &self.share {
+            Some(share) => share.numbers.get(id as usize).copied(),
+            None => Some(id),
+        };
+        let is_guest: Vec<bool> = (0..self.bodies.len() as u32)
+            .map(|id| self.is_guest(id))
+            .collect();
+        let (records, pairs) = self.batch.take_bodies()?;
+        let mut parts = Parts::default();
+        let mut guests = BTreeMap::new();
+        for (id, record) in records {
+            let i = id as usize;
+            let Some(number) = number(id) else { continue };
+            if is_guest[i] {
+                guests.insert(number, self.bodies[i].position);
+                continue;
+            }
+            let body = std::mem::replace(&mut self.bodies[i], Body::vacant());
+            parts.members.push(Member {
+                number,
+                body,
+                motion: self.motions[i],
+                record,
+            });
+        }
+        let own = pairs
+            .into_iter()
+            .filter(|pair| !is_guest[pair.sides().1 as usize]);
+        parts.pairs = own.filter_map(|pair| pair.renumbered(number)).collect();
+        self.bodies.clear();
+        self.motions.clear();
+        self.awake.clear();
+        Ok((parts, guests))
+    }
+
+    /// Puts bodies and pairs in where there are none: members ascending by number, each with its owner.
+    pub(super) fn put_together(
+        &mut self,
+        members: Vec<(Member, usize)>,
+        pairs: Vec<PairRecord>,
+        rank: usize,
+    ) -> Result<Vec<BodyId>, SolveError> {
+        let numbers: Vec<BodyId> = members.iter().map(|(member, _)| member.number).collect();
+        let local = |number: BodyId| Some(numbers.binary_search(&number).ok()? as BodyId);
+        let pairs = pairs
+            .into_iter()
+            .filter_map(|pair| pair.renumbered(local))
+            .collect();
+        let mut records = Vec::with_capacity(members.len());
+        for (id, (member, owner)) in (0..).zip(members) {
+            let is_guest = owner != rank;
+            if member.record.is_awake() && !is_guest {
+                self.awake.push(id);
+            }
+            self.bodies.push(member.body);
+            self.motions.push(member.motion);
+            records.push((id, member.record, is_guest));
+        }
+        self.batch
+            .give_bodies(records.len() as u32, records, pairs)?;
+        Ok(numbers)
+    }
+
+    /// The bodies of all ranks, in the world of one.
+    pub(super) fn put_all(&mut self, total: u32, mut parts: Parts) -> Result<(), SolveError> {
+        parts.members.sort_by_key(|member| member.number);
+        self.bodies = vec![Body::vacant(); total as usize];
+        self.motions = vec![
+            self.bodies
+                .first()
+                .map_or_else(|| Body::vacant().motion(), Body::motion);
+            total as usize
+        ];
+        let mut records = Vec::with_capacity(parts.members.len());
+        for member in parts.members {
+            let id = member.number;
+            if member.record.is_awake() {
+                self.awake.push(id);
+            }
+            self.bodies[id as usize] = member.body;
+            self.motions[id as usize] = member.motion;
+            records.push((id, member.record, false));
+        }
+        self.share = None;
+        Ok(self.batch.give_bodies(total, records, parts.pairs)?)
+    }
+
+    /// A checksum of all bits of the motion: of the bodies, the contacts and their friction, and what is remembered of them, in
+    /// the order of their numbers. It is the same for any number of threads and of ranks (where all are in one world:
+    /// [`gather`](Self::gather)); the books are not part of it.
+    ///
+    /// # Errors
+    /// As [`share_out`](Self::share_out) for what cannot be shared.
+    pub fn checksum_of_motion(&self) -> Result<u64, SolveError> {
+        self.not_shared("hashed")?;
+        let (mut parts, _) = self.clone().take_apart()?;
+        parts.pairs.sort_by_key(PairRecord::sides);
+        checkpoint::hash(&(self.time, self.steps, self.step_control, parts))
+    }
+}
+
+impl Share {
+    pub(super) fn is_of(pair: &PairRecord) -> impl Iterator<Item = BodyId> {
+        let (a, b) = pair.sides();
+        let a = match a {
+            Partner::Body(a) => Some(a),
+            Partner::Wall(_) => None,
+        };
+        a.into_iter().chain([b])
+    }
+}

@@ -1,0 +1,161 @@
+//! Worlds shared out over ranks: the same bits as one world.
+
+use crate::common::ranks::Threads;
+use femdem_contact::{ContactParameters, Wall};
+use femdem_mesh::catalogue::CatalogueShape;
+use femdem_mesh::nalgebra::{Translation3, UnitQuaternion};
+use femdem_mesh::{Pose, Vector3};
+use femdem_solve::{BodySpec, Drive, Halo, World, WorldParameters};
+
+const D: f64 = 0.05;
+
+const COUNT: usize = 90;
+
+/// Bodies of four shapes above a floor between walls, under gravity that leans over, numbered at random.
+fn pile(sleeping: bool) -> World {
+    let mut parameters = WorldParameters {
+        gravity: Vector3::new(3.0, 0.0, -9.0),
+        contact: ContactParameters {
+            friction: 0.4,
+            ..ContactParameters::default()
+        },
+        ..WorldParameters::default()
+    };
+    // A rule under which bodies sleep before long, and often wake.
+    parameters.sleeping.enabled = sleeping;
+    parameters.sleeping.window = 60;
+    parameters.sleeping.tolerance = 0.05;
+    let mut world = World::new(parameters).unwrap();
+    let (low, high) = (Vector3::zeros(), Vector3::new(12.0, 3.0, 40.0) * D);
+    for wall in Wall::closed_box(low, high).unwrap() {
+        world.add_wall(wall, Drive::Fixed).unwrap();
+    }
+    let mut shapes: Vec<u32> = ["A10", "P5", "P1"]
+        .iter()
+        .map(|name| {
+            let shape: CatalogueShape = name.parse().unwrap();
+            world
+                .add_shape(name, &shape.polyhedron(D).unwrap())
+                .unwrap()
+        })
+        .collect();
+    shapes.push(world.add_sphere("ball", 0.4 * D).unwrap());
+    let mut x = 0.3_f64;
+    let mut next = || {
+        x = (x * 997.0 + 0.123).fract();
+        x
+    };
+    let mut places: Vec<usize> = (0..COUNT).collect();
+    for k in (1..COUNT).rev() {
+        places.swap(k, (next() * (k + 1) as f64) as usize);
+    }
+    for (k, place) in places.iter().enumerate() {
+        let (i, j, l) = (place % 9, place / 9 % 2, place / 18);
+        let at = Vector3::new(i as f64 + 0.6, j as f64 + 0.6, l as f64 + 0.6) * (1.2 * D);
+        let turn = UnitQuaternion::from_euler_angles(6.0 * next(), 6.0 * next(), 6.0 * next());
+        let pose = Pose::from_parts(Translation3::from(at), turn);
+        let spec = BodySpec::at_rest(shapes[k % 4], 2500.0, pose);
+        world.add_body(spec).unwrap();
+    }
+    world
+}
+
+/// What the ranks have made of it: the whole, how many bodies changed their rank, and bytes a step and guest.
+fn on_ranks(world: &World, size: usize, steps: u32) -> (World, usize, f64) {
+    let mut all = None;
+    let (mut moved, mut traffic) = (0, 0.0_f64);
+    std::thread::scope(|scope| {
+        let ranks: Vec<_> = Threads::of(size)
+            .into_iter()
+            .map(|mut halo| {
+                let mut world = world.clone();
+                scope.spawn(move || {
+                    world.share_out(&mut halo).unwrap();
+                    let own = |world: &World| -> Vec<u32> {
+                        let ids = world.rigid_ids().filter(|id| !world.is_guest(*id));
+                        ids.filter_map(|id| world.number_in_whole(id)).collect()
+                    };
+                    let before = own(&world);
+                    let mut guests = 0;
+                    halo.sent = 0;
+                    for _ in 0..steps {
+                        world.step_on(&mut halo).unwrap();
+                        guests += world.rigid_ids().filter(|id| world.is_guest(*id)).count();
+                    }
+                    let after = own(&world);
+                    let came = after.iter().filter(|n| before.binary_search(n).is_err());
+                    let books = world.ledger_on(&mut halo).unwrap();
+                    let whole = world.gather(&mut halo).unwrap();
+                    (whole, came.count(), halo.sent, guests, books)
+                })
+            })
+            .collect();
+        let mut totals = (0, 0);
+        for (rank, thread) in ranks.into_iter().enumerate() {
+            let (whole, came, sent, guests, books) = thread.join().unwrap();
+            moved += came;
+            totals = (totals.0 + sent, totals.1 + guests);
+            assert_eq!(whole.is_some(), rank == 0);
+            if let Some(whole) = whole {
+                let error = (books.error() - whole.ledger().error()).abs();
+                assert!(error < 1e-9 * books.exchanged, "{error:e}");
+                all = Some(whole);
+            }
+        }
+        traffic = totals.0 as f64 / totals.1.max(1) as f64;
+    });
+    (all.unwrap(), moved, traffic)
+}
+
+#[test]
+fn any_number_of_ranks_gives_the_same_bits() {
+    for sleeping in [false, true] {
+        let world = pile(sleeping);
+        let mut alone = world.clone();
+        let steps = 2000;
+        let mut woke = 0;
+        for _ in 0..steps {
+            let before = alone.awake_count();
+            alone.step().unwrap();
+            woke += usize::from(alone.awake_count() > before);
+        }
+        let expected = alone.checksum_of_motion().unwrap();
+        let awake = alone.awake_count();
+        assert_eq!(awake < COUNT, sleeping, "{awake} are awake");
+        assert_eq!(woke > 0, sleeping, "bodies woke in {woke} steps");
+        let sizes: &[usize] = if sleeping { &[1, 2, 3, 4] } else { &[2, 4] };
+        for &size in sizes {
+            let (whole, moved, traffic) = on_ranks(&world, size, steps);
+            assert_eq!(
+                whole.checksum_of_motion().unwrap(),
+                expected,
+                "{size} ranks"
+            );
+            let books = [&alone, &whole].map(|w| w.ledger().dissipated());
+            assert!((books[0] / books[1] - 1.0).abs() < 1e-9);
+            assert!(size == 1 || moved > 0, "{moved}");
+            assert!(traffic <= 120.0, "{traffic}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_shared_is_said() {
+    let halos = &mut Threads::of(2);
+    let mut world = pile(true);
+    let stepped = world.step_on(&mut halos[0]).unwrap_err().to_string();
+    assert!(stepped.contains("was not shared out"), "{stepped}");
+    world.share_out(&mut femdem_solve::Alone).unwrap();
+    assert!(
+        world
+            .step()
+            .unwrap_err()
+            .to_string()
+            .contains("gather it first")
+    );
+    assert_eq!(halos[1].rank(), 1);
+    let mut driven = pile(true);
+    driven.drive_body(0, Some(Drive::Fixed)).unwrap();
+    let refused = driven.share_out(&mut femdem_solve::Alone).unwrap_err();
+    assert!(refused.to_string().contains("driven bodies"), "{refused}");
+}
