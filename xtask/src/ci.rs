@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 
-use crate::{book, capi, python, tidy};
+use crate::{book, capi, python, ranks, tidy};
 
 /// A cargo command of the list.
 struct Step {
@@ -19,7 +19,7 @@ struct Step {
 ///
 /// The commands without a package option act on the default members, which are the crates of
 /// `crates/` but the bindings: there, `--no-default-features` builds the serial code paths.
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 8] = [
     Step {
         name: "format",
         arguments: "fmt --all --check",
@@ -29,6 +29,12 @@ const STEPS: [Step; 7] = [
     Step {
         name: "format of the peers",
         arguments: "fmt --manifest-path benches/peers/Cargo.toml --check",
+        environment: &[],
+    },
+    // Another: it needs an MPI library.
+    Step {
+        name: "format of the ranks",
+        arguments: "fmt --manifest-path crates/femdem-mpi/Cargo.toml --check",
         environment: &[],
     },
     Step {
@@ -69,6 +75,7 @@ pub(crate) fn run(root: &Path, full: bool) -> Result<bool> {
         last.push(("python", "cargo xtask python", python::run));
         last.push(("wheel", "cargo xtask python --wheel", python::wheel));
         last.push(("capi", "cargo xtask capi", |root| capi::run(root, None)));
+        last.push(("ranks", "cargo xtask ranks", ranks::run));
         last.push(("book", "cargo xtask book", |root| book::run(root, None)));
     }
     let total = STEPS.len() + last.len();

@@ -3,7 +3,7 @@
 //! `tidy` checks what the compiler does not: the documented crate graph against the real one, the tests of the
 //! invariants, file lengths, leftovers, crate docs, the book's links and length. `ci` runs every check that a change
 //! must pass, in the same order as `.ci/run`. `book` runs the commands of the book. `browser` tests the report page in
-//! Chromium, `python` the Python bindings, `capi` those of C.
+//! Chromium, `python` the Python bindings, `capi` those of C, `ranks` the program over MPI.
 
 mod book;
 mod browser;
@@ -11,6 +11,7 @@ mod capi;
 mod ci;
 mod command;
 mod python;
+mod ranks;
 mod tidy;
 
 use std::path::PathBuf;
@@ -56,6 +57,8 @@ enum Task {
         #[arg(long, value_name = "FOLDER")]
         prefix: Option<PathBuf>,
     },
+    /// Run a scene over 1 to 4 ranks by MPI, and compare the results with those of `femdem run`
+    Ranks,
 }
 
 fn main() -> ExitCode {
@@ -74,5 +77,6 @@ fn run() -> Result<bool> {
         Task::Python { wheel: false } => python::run(&root),
         Task::Python { wheel: true } => python::wheel(&root),
         Task::Capi { prefix } => capi::run(&root, prefix.as_deref()),
+        Task::Ranks => ranks::run(&root),
     }
 }

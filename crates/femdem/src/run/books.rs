@@ -26,6 +26,12 @@ impl Run {
         if !world.steps().is_multiple_of(EVERY) {
             return Ok(());
         }
+        self.close_books()
+    }
+
+    /// The same now, whatever the step.
+    pub(super) fn close_books(&self) -> Result<(), Error> {
+        let world = &self.simulation().world;
         let ledger = world.ledger();
         let (missing, limit) = (ledger.error_relative(), self.scenario().energy_error_limit);
         let rounding = ROUNDING * (ledger.potential.abs() + ledger.initial.abs());

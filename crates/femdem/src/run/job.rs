@@ -1,6 +1,7 @@
 //! A run: a scenario in progress.
 
 mod advance;
+mod elsewhere;
 mod files;
 mod resume;
 mod tables;

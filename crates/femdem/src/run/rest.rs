@@ -5,7 +5,7 @@ use femdem_pack::Settling;
 use serde::{Deserialize, Serialize};
 
 use super::contacts::ContactForces;
-use super::{BoundaryEntry, ContactLine, ControlEntry, LoadEntry, Run, Side, Simulation};
+use super::{BoundaryEntry, ContactLine, ControlEntry, LoadEntry, Run, Scenario, Side, Simulation};
 
 /// Largest residual of a body at rest, and its largest kinetic energy over its load times its diameter: as for a settled pack.
 const LIMITS: Settling = Settling::USUAL;
@@ -130,13 +130,19 @@ impl Simulation {
     }
 }
 
+impl Scenario {
+    /// Whether bodies may be frozen at a time, s: not near the end.
+    #[must_use]
+    pub fn sleeps_at(&self, time: f64) -> bool {
+        self.sleeping && time < (1.0 - AWAKE_AT_LAST) * self.duration
+    }
+}
+
 impl Run {
     /// Lets bodies be frozen, or wakes them: nothing is frozen while rest is verified, nor near the end.
     pub(super) fn allow_sleep(&mut self) {
-        let scenario = self.scenario();
-        let last = (1.0 - AWAKE_AT_LAST) * scenario.duration;
         let world = &self.simulation().world;
-        let allowed = scenario.sleeping && !self.is_verifying() && world.time() < last;
+        let allowed = self.scenario().sleeps_at(world.time()) && !self.is_verifying();
         if world.parameters().sleeping.enabled != allowed {
             self.simulation_mut().world.set_sleeping(allowed);
         }

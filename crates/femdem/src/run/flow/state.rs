@@ -64,6 +64,11 @@ impl Gate {
 }
 
 impl Flow {
+    /// Whether nothing opens, comes or is counted.
+    pub(in crate::run) fn is_empty(&self) -> bool {
+        self.openings.is_empty() && !self.is_counted()
+    }
+
     /// Whether there is anything to be counted.
     pub(in crate::run) fn is_counted(&self) -> bool {
         !(self.gates.is_empty() && self.supplies.is_empty())

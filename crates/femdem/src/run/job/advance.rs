@@ -57,7 +57,7 @@ impl Run {
     }
 
     /// Checks whether the motion is over, and with it the run if there is no relaxation.
-    fn look(&mut self) {
+    pub(super) fn look(&mut self) {
         let Some(ending) = self.end_of_motion() else {
             return;
         };

@@ -1,0 +1,65 @@
+//! A run whose steps are taken elsewhere: by ranks that share its bodies.
+
+use std::path::Path;
+
+use femdem_solve::World;
+
+use crate::Error;
+use crate::run::Run;
+
+impl Run {
+    /// Refuses a run whose steps need more than its world: one that is controlled, loaded or fed, or ends at rest.
+    /// [`World::share_out`] says what worlds cannot be shared.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Option`] with the entry of the scene.
+    pub fn steps_elsewhere(&self) -> Result<(), Error> {
+        let (scene, simulation) = (&self.scenario, &self.simulation);
+        for (name, is_there) in [
+            ("control", !simulation.controls.is_empty()),
+            ("load", !scene.load.is_empty()),
+            ("source, gate or opening", !simulation.flow.is_empty()),
+            ("rest", scene.rest.is_some()),
+            ("relax", scene.relax.is_some()),
+        ] {
+            if is_there {
+                return Err(Error::Option {
+                    name,
+                    value: "an entry of the scene".to_owned(),
+                    allowed: "not there in a run over several ranks: use `femdem run`",
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the world out, for its steps to be taken elsewhere, and leaves another until [`go_on_with`](Self::go_on_with).
+    #[must_use]
+    pub fn give_world(&mut self, instead: World) -> World {
+        std::mem::replace(&mut self.simulation.world, instead)
+    }
+
+    /// Time of the next row of the tables, the next frame or the end, s.
+    #[must_use]
+    pub fn next_due(&self) -> f64 {
+        let row = self.next_row as f64 * self.scenario.history_interval();
+        let frame = self.next_frame as f64 * self.scenario.frame_interval();
+        row.min(frame).min(self.scenario.duration)
+    }
+
+    /// Goes on with a later state of the world: writes what is due, and ends the run if its time has come.
+    ///
+    /// # Errors
+    ///
+    /// As [`advance`](Self::advance) but for those of the step: what is due cannot be written, or the energy ledger does not
+    /// close.
+    pub fn go_on_with(&mut self, world: World, folder: &Path) -> Result<(), Error> {
+        self.simulation.world = world;
+        self.scenario.check_step(self.time_step())?;
+        self.look();
+        self.watch.look(&self.simulation)?;
+        self.close_books()?;
+        self.write_due(folder)
+    }
+}

@@ -1,0 +1,147 @@
+//! `cargo xtask ranks`: the program over MPI, whose results must not depend on the number of ranks.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::command::{apt_get, cargo, passed, runs};
+
+/// The package, from the workspace root: a workspace of its own.
+const PACKAGE: &str = "crates/femdem-mpi";
+
+/// The scene, in the package.
+const SCENE: &str = "scenes/pile.toml";
+
+/// What is needed, as a program and as the packages of Debian that have it.
+const TOOLS: [(&str, &[&str]); 2] = [
+    ("mpirun", &["openmpi-bin"]),
+    ("mpicc", &["libopenmpi-dev", "libclang-dev"]),
+];
+
+/// Ranks, and threads of each.
+const RUNS: [[usize; 2]; 6] = [[1, 1], [2, 1], [3, 1], [4, 1], [1, 2], [2, 2]];
+
+/// Steps after which one run is stopped, to go on with another number of ranks.
+const STOP: &str = "600";
+
+/// Builds the program, and compares every file of the frames of its runs with those of `femdem run`; returns whether all are the
+/// same.
+///
+/// # Errors
+/// When it cannot be built, or MPI is missing and cannot be installed.
+pub(crate) fn run(root: &Path) -> Result<bool> {
+    find_tools()?;
+    let manifest = format!("{PACKAGE}/Cargo.toml");
+    let built = |arguments: &[&str]| -> Result<bool> {
+        let mut command = cargo();
+        command.args(arguments).current_dir(root);
+        passed(command.env("CARGO_TARGET_DIR", xtask::target_folder(root)))
+    };
+    let lints = [
+        "clippy",
+        "--locked",
+        "--all-targets",
+        "--manifest-path",
+        &manifest,
+    ];
+    ensure!(
+        built(&[&lints[..], &["--", "-D", "warnings"]].concat())?
+            && built(&["build", "--locked", "--manifest-path", &manifest])?
+            && built(&["build", "--locked", "-p", "femdem"])?,
+        "the program was not built"
+    );
+    let programs = xtask::target_folder(root).join("debug");
+    let place = xtask::target_folder(root).join("ranks");
+    if place.exists() {
+        fs::remove_dir_all(&place)?;
+    }
+    fs::create_dir_all(&place)?;
+    let scene = root.join(PACKAGE).join(SCENE);
+    let alone = place.join("alone");
+    let mut femdem = Command::new(programs.join("femdem"));
+    femdem.arg("run").arg(&scene).arg("--out").arg(&alone);
+    ensure!(passed(femdem.arg("--quiet"))?, "femdem run has failed");
+
+    let mpi = programs.join("femdem-mpi");
+    let mut good = true;
+    for [ranks, threads] in RUNS {
+        println!("{ranks} ranks of {threads} threads");
+        let out = place.join(format!("{ranks}-{threads}"));
+        let mut command = over(ranks, &mpi);
+        command.arg("run").arg(&scene).arg("--out").arg(&out);
+        command.args(["--threads", &threads.to_string()]);
+        good &= passed(&mut command)? && same(&alone, &out)?;
+    }
+    let out = place.join("restart");
+    let mut command = over(4, &mpi);
+    command.arg("run").arg(&scene).arg("--out").arg(&out);
+    good &= passed(command.args(["--steps", STOP]))?;
+    good &= passed(over(3, &mpi).arg("resume").arg(&out))? && same(&alone, &out)?;
+    Ok(good)
+}
+
+fn find_tools() -> Result<()> {
+    let absent = || TOOLS.iter().filter(|(tool, _)| !runs(tool, &["--version"]));
+    let packages: Vec<&str> = absent().flat_map(|(_, of)| of.iter().copied()).collect();
+    if packages.is_empty() || (apt_get(&packages) && absent().next().is_none()) {
+        return Ok(());
+    }
+    bail!("ranks need {}", packages.join(", "))
+}
+
+/// The program over ranks. Open MPI starts more of them than there are cores, and for root, where it is told so.
+fn over(ranks: usize, program: &Path) -> Command {
+    let mut command = Command::new("mpirun");
+    command
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        .args(["--oversubscribe", "-n", &ranks.to_string()])
+        .arg(program);
+    command
+}
+
+/// Whether two runs have the same frames, to the last byte.
+fn same(a: &Path, b: &Path) -> Result<bool> {
+    let mut folders = vec![PathBuf::from("frames")];
+    let (mut good, mut count) = (true, 0);
+    while let Some(folder) = folders.pop() {
+        let here = a.join(&folder);
+        let entries = fs::read_dir(&here).with_context(|| here.display().to_string())?;
+        for entry in entries {
+            let entry = entry?;
+            let name = folder.join(entry.file_name());
+            if entry.file_type()?.is_dir() {
+                folders.push(name);
+                continue;
+            }
+            count += 1;
+            let equal = fs::read(a.join(&name)).ok() == fs::read(b.join(&name)).ok();
+            if !equal {
+                println!("{} differs in {}", name.display(), b.display());
+            }
+            good &= equal;
+        }
+    }
+    Ok(good && count > 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_that_differ_or_are_not_there_are_noticed() {
+        let folder = std::env::temp_dir().join(format!("femdem-ranks-{}", std::process::id()));
+        let [a, b] = ["a", "b"].map(|name| folder.join(name));
+        for (run, text) in [(&a, "1"), (&b, "2")] {
+            fs::create_dir_all(run.join("frames/0")).unwrap();
+            fs::write(run.join("frames/0/x"), text).unwrap();
+        }
+        assert!(same(&a, &a).unwrap() && !same(&a, &b).unwrap());
+        fs::remove_file(b.join("frames/0/x")).unwrap();
+        assert!(!same(&a, &b).unwrap());
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}
