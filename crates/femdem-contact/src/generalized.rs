@@ -168,8 +168,9 @@ fn cholesky(m: &Matrix3) -> Matrix3 {
     Matrix3::new(a, 0.0, 0.0, b, d, 0.0, c, e, f)
 }
 
-/// Bits of the fraction of a double that bounds of the step leave out: they are multiples of 2^-10 of their power of two.
-const COARSE: u32 = 42;
+/// Bits of the fraction of a double that bounds of the step leave out: they are multiples of 2^-20 of their power of two, so
+/// that rounding does not decide which of two bodies has the smaller one.
+const COARSE: u32 = 32;
 
 /// The number on the grid of [bounds of the step](COARSE) at or below a positive number.
 fn rung(step: f64) -> u64 {

@@ -27,9 +27,19 @@ fn pile(sleeping: bool) -> World {
     parameters.sleeping.tolerance = 0.05;
     let mut world = World::new(parameters).unwrap();
     let (low, high) = (Vector3::zeros(), Vector3::new(12.0, 3.0, 40.0) * D);
+    let mut walls = Vec::new();
     for wall in Wall::closed_box(low, high).unwrap() {
-        world.add_wall(wall, Drive::Fixed).unwrap();
+        walls.push(world.add_wall(wall, Drive::Fixed).unwrap());
     }
+    // One leans over for a while.
+    let turn = Drive::Turn {
+        axis: Vector3::y(),
+        point: Vector3::zeros(),
+        rate: 0.3,
+        start: 0.02,
+        end: 0.1,
+    };
+    world.drive_wall(walls[0], turn).unwrap();
     let mut shapes: Vec<u32> = ["A10", "P5", "P1"]
         .iter()
         .map(|name| {

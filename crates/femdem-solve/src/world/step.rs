@@ -92,7 +92,7 @@ impl World {
         }
         self.check_step(dt)?;
         self.kick(0.5 * dt);
-        self.drift(dt)?;
+        self.drift(dt, halo)?;
         self.time += dt;
         self.arrive();
         self.steps += 1;
@@ -252,7 +252,7 @@ impl World {
         self.flows.load_work += flows.load_work;
     }
 
-    pub(super) fn drift(&mut self, dt: f64) -> Result<(), SolveError> {
+    pub(super) fn drift(&mut self, dt: f64, halo: &mut dyn Halo) -> Result<(), SolveError> {
         let end = self.time + dt;
         for k in 0..self.awake.len() {
             let i = self.awake[k] as usize;
@@ -287,15 +287,15 @@ impl World {
                 self.motions[i].angular_velocity = angular_velocity;
             }
         }
-        self.drift_walls(dt);
+        self.drift_walls(dt, halo)?;
         self.drift_cell(dt)
     }
 
     /// Moves the driven walls from the present time by `dt`.
-    fn drift_walls(&mut self, dt: f64) {
-        let deformables = self.deformables.as_deref();
-        let soft = deformables.map_or(&[][..], |d| &d.bodies);
-        for (motion, (guide, base)) in self.wall_motions.iter_mut().zip(&self.wall_drives) {
+    fn drift_walls(&mut self, dt: f64, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let reaches = self.reaches(dt, halo)?;
+        let walls = self.wall_drives.iter().zip(reaches);
+        for (motion, ((guide, base), reach)) in self.wall_motions.iter_mut().zip(walls) {
             let (from, driven) = (guide.now(self.time), guide.then(self.time + dt));
             if guide.is_fixed() {
                 motion.velocity = Vector3::zeros();
@@ -304,18 +304,6 @@ impl World {
             }
             let to = driven.place(base);
             let turn = driven.angle - from.angle;
-            // A wall is unbounded: its travel is that of its points where bodies are.
-            let reach = if turn == 0.0 {
-                0.0
-            } else {
-                let rigid = self.batch.rigid_ids().map(|id| {
-                    let b = &self.bodies[id as usize];
-                    (b.position - driven.point).norm() + b.radius
-                });
-                let nodes = soft.iter().flat_map(|b| &b.positions);
-                let far = rigid.chain(nodes.map(|x| (x - driven.point).norm()));
-                1.1 * far.fold(0.0, f64::max)
-            };
             let at = to.translation.vector;
             motion.travelled += driven.way_from(&from, reach);
             // Velocity at the origin from the mean rotation about the axis. The chord of the path of an
@@ -332,6 +320,32 @@ impl World {
                 motion.frame = Frame::from(&to);
             }
         }
+        Ok(())
+    }
+
+    /// How far bodies are from the points about which walls turn within the step, m; 0 for those that do not. A wall is unbounded:
+    /// its travel is that of its points where bodies are.
+    fn reaches(&self, dt: f64, halo: &mut dyn Halo) -> Result<Vec<f64>, SolveError> {
+        let deformables = self.deformables.as_deref();
+        let soft = deformables.map_or(&[][..], |d| &d.bodies);
+        let mut turns = false;
+        let reach = |(guide, _): &(Guide, Pose)| {
+            let (from, driven) = (guide.now(self.time), guide.then(self.time + dt));
+            if guide.is_fixed() || driven.angle == from.angle {
+                return 0.0;
+            }
+            turns = true;
+            let rigid = self.live_bodies();
+            let rigid = rigid.map(|(_, b)| (b.position - driven.point).norm() + b.radius);
+            let nodes = soft.iter().flat_map(|b| &b.positions);
+            let far = rigid.chain(nodes.map(|x| (x - driven.point).norm()));
+            -1.1 * far.fold(0.0, f64::max)
+        };
+        let mut least: Vec<f64> = self.wall_drives.iter().map(reach).collect();
+        if turns {
+            halo.least(&mut least)?;
+        }
+        Ok(least.into_iter().map(|reach| -reach).collect())
     }
 
     /// All forces at the present positions. `dt` is the time since the last call.

@@ -117,7 +117,7 @@ impl World {
         }
         let walls = self.wall_motions.clone();
         std::mem::swap(&mut self.motions, &mut self.ahead);
-        let drifted = self.drift(dt);
+        let drifted = self.drift(dt, &mut Alone);
         std::mem::swap(&mut self.motions, &mut self.ahead);
         drifted?;
         let watch = Stopwatch::start();
