@@ -21,6 +21,18 @@ pub struct EdgeLoad {
     pub friction: Vector3,
 }
 
+impl EdgeLoad {
+    /// Adds what acts on an image of a body to the edges between.
+    pub(crate) fn add_over(edges: &mut [Self; 3], image: [i32; 3], on_a: &Self) {
+        for (edge, number) in edges.iter_mut().zip(image) {
+            let number = f64::from(number);
+            edge.total += on_a.total * number;
+            edge.damping += on_a.damping * number;
+            edge.friction += on_a.friction * number;
+        }
+    }
+}
+
 /// Loads of bodies and of walls, and totals. Pairs are added in their order.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Sums {
@@ -69,12 +81,12 @@ impl Sums {
     fn add_to_edges(&mut self, contact: &RigidContact, image: [i32; 3]) {
         let mut on_a = Load::default();
         on_a.add(contact, 0);
-        for (edge, number) in self.edges.iter_mut().zip(image) {
-            let number = f64::from(number);
-            edge.total += on_a.total.force * number;
-            edge.damping += on_a.damping.force * number;
-            edge.friction += on_a.friction.force * number;
-        }
+        let on_a = EdgeLoad {
+            total: on_a.total.force,
+            damping: on_a.damping.force,
+            friction: on_a.friction.force,
+        };
+        EdgeLoad::add_over(&mut self.edges, image, &on_a);
     }
 
     /// Refuses sums that are not finite: names the awake body of the lowest index with such a load, else the wall.
