@@ -153,7 +153,7 @@ mod walls;
 pub use femdem_mesh as mesh;
 
 pub use adhesion::{Adhesion, VectorArea};
-pub use batch::{BatchTotals, BondId, ContactBatch, EdgeLoad, EndedBonds, Snapshot};
+pub use batch::{BatchTotals, BondId, ContactBatch, EndedBonds, Snapshot};
 pub use body_shape::BodyShape;
 pub use bridge::LiquidBridge;
 pub use contact::{BodyId, ContactForce, Dashpots, Load, Partner, RigidContact, Springs, Wrench};
@@ -167,6 +167,7 @@ pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use laws::{ContactLaws, MaterialId};
 pub use limit_surface::LimitSurface;
 pub use motion::{Inertia, Motion};
+pub use periodic::EdgeLoad;
 pub use record::Contact;
 pub use shape::{ConvexShape, Frame};
 pub use sphere::{Sphere, SphereKernel};

@@ -1,10 +1,10 @@
 //! A batch in periodic space.
 
-use super::{ContactBatch, EdgeLoad, Snapshot};
+use super::{ContactBatch, Snapshot};
 use crate::body_shape::BodyShape;
 use crate::contact::{Partner, RigidContact};
 use crate::error::{ContactError, check};
-use crate::periodic::Space;
+use crate::periodic::{EdgeLoad, Space};
 use femdem_mesh::{Matrix3, PeriodicCell, Vector3};
 
 /// Sine of the largest angle between a wall and an edge.

@@ -4,12 +4,12 @@ use super::DeformablePart;
 use super::body::SoftBody;
 use super::context::Context;
 use super::pair::SoftPair;
-use crate::batch::EdgeLoad;
 use crate::deform::near::Candidates;
 use crate::deform::record::NodalState;
 use crate::deform::side::Side;
 use crate::deform::turning::Turning;
 use crate::motion::Motion;
+use crate::periodic::EdgeLoad;
 use femdem_mesh::{Matrix3, Vector3};
 
 /// The first side of an evaluation where its image is, as it moves there.
