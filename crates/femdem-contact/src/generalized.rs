@@ -168,25 +168,14 @@ fn cholesky(m: &Matrix3) -> Matrix3 {
     Matrix3::new(a, 0.0, 0.0, b, d, 0.0, c, e, f)
 }
 
-/// Bits of the fraction of a double that bounds of the step leave out: they are multiples of 2^-20 of their power of two, so
-/// that rounding does not decide which of two bodies has the smaller one.
-const COARSE: u32 = 32;
-
-/// The number on the grid of [bounds of the step](COARSE) at or below a positive number.
-fn rung(step: f64) -> u64 {
-    step.to_bits() >> COARSE
-}
-
-/// The positive number of a rung.
-fn at_rung(rung: u64) -> f64 {
-    f64::from_bits(rung << COARSE)
-}
+/// Iterations of the search for the largest step; each ends at a stable one.
+const ROUNDS: usize = 3;
 
 /// The largest step that is stable for a body with these springs and dashpots, or `safe` if that is larger, at most `most`, s.
 /// Infinite for a body of zero inverse mass and inertia.
 ///
-/// Steps below `most` are on a grid, and `most` is given back where it is stable: so the least over many bodies does not depend
-/// on their order, nor on how they are shared out.
+/// Below `most` it is a function of the body alone: so the least over many bodies does not depend on their order, nor on how they
+/// are shared out.
 ///
 /// With the viscous force half a step late, the leapfrog step of a linear system is stable if dt^2/4 k + dt/2
 /// c <= 1 for every motion, where k and c are the Rayleigh quotients of stiffness and viscosity in the metric
@@ -202,26 +191,24 @@ fn largest_step(
         w * m.translation.trace() + motion.inverse_inertia.component_mul(&m.turning).sum()
     });
     // Below this step even the sum of all eigenvalues is at most 1.
-    let safe = stable_step(traces[0], traces[1]).max(safe);
+    let alone = stable_step(traces[0], traces[1]);
+    let safe = alone.max(safe);
     if safe >= most || safe == f64::INFINITY {
         return safe.min(most);
     }
     let (k, c) = (stiffness.by_mass(w, &root), viscosity.by_mass(w, &root));
-    let is_stable = |dt: f64| k.sum(0.25 * dt * dt, &c, 0.5 * dt).largest() <= 1.0;
-    if most.is_finite() && is_stable(most) {
-        return most;
-    }
-    // The largest eigenvalue is at least a sixth of the trace, and it grows at least in proportion to the step.
-    let (mut low, mut high) = (rung(safe), rung(most.min(8.0 * safe)) + 1);
-    while low + 1 < high {
-        let middle = low + (high - low) / 2;
-        if is_stable(at_rung(middle)) {
-            low = middle;
+    let eigenvalue = |dt: f64| k.sum(0.25 * dt * dt, &c, 0.5 * dt).largest();
+    let mut step = alone;
+    for _ in 0..ROUNDS {
+        let largest = eigenvalue(step);
+        // A larger step scales the matrix by at most the square of the ratio.
+        step /= if largest > 1.0 {
+            largest
         } else {
-            high = middle;
-        }
+            largest.sqrt()
+        };
     }
-    at_rung(low).min(most)
+    step.max(safe).min(most)
 }
 
 #[cfg(test)]

@@ -154,8 +154,7 @@ pub use femdem_mesh as mesh;
 
 pub use adhesion::{Adhesion, VectorArea};
 pub use batch::{
-    BatchTotals, BodyRecord, BodyRecords, BondId, ContactBatch, EdgeLoad, EndedBonds, PairRecord,
-    Snapshot,
+    BatchTotals, BodyRecord, BodyRecords, BondId, ContactBatch, EndedBonds, PairRecord, Snapshot,
 };
 pub use body_shape::BodyShape;
 pub use bridge::LiquidBridge;
@@ -170,6 +169,7 @@ pub use law::{ContactLaw, ContactParameters, WallResponse, restitution};
 pub use laws::{ContactLaws, MaterialId};
 pub use limit_surface::LimitSurface;
 pub use motion::{Inertia, Motion};
+pub use periodic::EdgeLoad;
 pub use record::Contact;
 pub use shape::{ConvexShape, Frame};
 pub use sphere::{Sphere, SphereKernel};

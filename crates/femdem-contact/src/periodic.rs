@@ -63,3 +63,27 @@ impl Space {
         (seen, image)
     }
 }
+
+/// Forces of the contacts that reach over an edge of the periodic cell on what lies beyond, once for each edge between, N.
+/// The edges are driven: as they move, these forces do their work.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct EdgeLoad {
+    /// All of it.
+    pub total: Vector3,
+    /// The part due to normal damping.
+    pub damping: Vector3,
+    /// The part due to friction.
+    pub friction: Vector3,
+}
+
+impl EdgeLoad {
+    /// Adds what acts on an image of a body to the edges between.
+    pub(crate) fn add_over(edges: &mut [Self; 3], image: [i32; 3], on_a: &Self) {
+        for (edge, number) in edges.iter_mut().zip(image) {
+            let number = f64::from(number);
+            edge.total += on_a.total * number;
+            edge.damping += on_a.damping * number;
+            edge.friction += on_a.friction * number;
+        }
+    }
+}

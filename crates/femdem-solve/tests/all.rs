@@ -31,6 +31,7 @@ mod restart;
 mod rolling;
 mod sleeping;
 mod sliding;
+mod soft_cells;
 mod spheres;
 mod step_size;
 mod turning;

@@ -24,10 +24,9 @@ impl ContactBatch {
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if the shape was never added, [`ContactError::Parameter`] if the modulus is out of its
-    /// range or if space is periodic.
+    /// range.
     pub fn add_deformable(&mut self, shape: u32, modulus: Modulus) -> Result<BodyId, ContactError> {
         modulus.check()?;
-        self.check_deformables(self.deformable_count() + 1)?;
         let count = self.deformable_shapes().len();
         if shape as usize >= count {
             return Err(ContactError::NoSuch {
@@ -149,7 +148,8 @@ impl ContactBatch {
     /// [`ContactError::StateCount`] or [`ContactError::NodeCount`] if a list has the wrong length,
     /// [`ContactError::NodeState`], [`ContactError::NotFinite`] or [`ContactError::Wall`] if a state is not finite or an
     /// inverse mass is negative, [`ContactError::Parameter`] for a `dt` that is negative or not finite,
-    /// [`ContactError::InvertedTet`] if a tetrahedron in a contact is inverted, and [`ContactError::Mesh`] if a rigid
+    /// [`ContactError::InvertedTet`] if a tetrahedron in a contact is inverted, [`ContactError::Parameter`] for a periodic cell
+    /// that is too small for a body, and [`ContactError::Mesh`] if a rigid
     /// convex body is too flat for tetrahedra. After an error the histories are a mixture of two steps.
     pub fn update_deformables(
         &mut self,
@@ -180,6 +180,7 @@ impl ContactBatch {
                 wall_shapes: &self.walls,
                 rigid: bodies,
                 walls,
+                space: self.space.as_ref(),
                 dt,
             };
             part.update(nodes, &around)?;

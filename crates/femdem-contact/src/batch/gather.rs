@@ -5,21 +5,9 @@ use super::pairs::Pair;
 use crate::contact::{BodyId, Load, Partner, RigidContact};
 use crate::error::ContactError;
 use crate::motion::Motion;
+use crate::periodic::EdgeLoad;
 use crate::walls::WallShape;
-use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// Forces of the contacts that reach over an edge of the periodic cell on what lies beyond, once for each edge between, N.
-/// The edges are driven: as they move, these forces do their work.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct EdgeLoad {
-    /// All of it.
-    pub total: Vector3,
-    /// The part due to normal damping.
-    pub damping: Vector3,
-    /// The part due to friction.
-    pub friction: Vector3,
-}
 
 /// Loads of bodies and of walls, and totals. Pairs are added in their order.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -79,12 +67,12 @@ impl Sums {
     fn add_to_edges(&mut self, contact: &RigidContact, image: [i32; 3]) {
         let mut on_a = Load::default();
         on_a.add(contact, 0);
-        for (edge, number) in self.edges.iter_mut().zip(image) {
-            let number = f64::from(number);
-            edge.total += on_a.total.force * number;
-            edge.damping += on_a.damping.force * number;
-            edge.friction += on_a.friction.force * number;
-        }
+        let on_a = EdgeLoad {
+            total: on_a.total.force,
+            damping: on_a.damping.force,
+            friction: on_a.friction.force,
+        };
+        EdgeLoad::add_over(&mut self.edges, image, &on_a);
     }
 
     /// Refuses sums that are not finite: names the awake body of the lowest index with such a load, else the wall.

@@ -37,7 +37,6 @@ use crate::walls::WallShape;
 use bonds::Bonds;
 pub use bonds::{BondId, EndedBonds};
 use evaluate::{Context, Views};
-pub use gather::EdgeLoad;
 use gather::{Sums, load_not_finite};
 pub use implicit::Snapshot;
 use pairs::{Pair, PairTable};

@@ -1,10 +1,10 @@
 //! A batch in periodic space.
 
-use super::{ContactBatch, EdgeLoad, Snapshot};
+use super::{ContactBatch, Snapshot};
 use crate::body_shape::BodyShape;
 use crate::contact::{Partner, RigidContact};
 use crate::error::{ContactError, check};
-use crate::periodic::Space;
+use crate::periodic::{EdgeLoad, Space};
 use femdem_mesh::{Matrix3, PeriodicCell, Vector3};
 
 /// Sine of the largest angle between a wall and an edge.
@@ -35,28 +35,26 @@ impl ContactBatch {
         Ok(())
     }
 
-    /// Refuses deformable bodies in periodic space.
-    pub(super) fn check_deformables(&self, count: usize) -> Result<(), ContactError> {
-        check(
-            "number of deformable bodies in periodic space",
-            count as f64,
-            count == 0 || self.space.is_none(),
-            "0: periodic cells are for rigid bodies",
-        )
-    }
-
     /// The periodic cell, if there is one.
     pub fn cell(&self) -> Option<&PeriodicCell> {
         self.space.as_ref().map(|space| &space.cell)
     }
 
     /// Forces over the edges of the periodic cell, from the contacts of the last update.
-    pub fn edge_loads(&self) -> &[EdgeLoad; 3] {
-        &self.sums.edges
+    pub fn edge_loads(&self) -> [EdgeLoad; 3] {
+        let mut edges = self.sums.edges;
+        if let Some(part) = &self.deformable {
+            for (edge, load) in edges.iter_mut().zip(part.edges()) {
+                edge.total += load.total;
+                edge.damping += load.damping;
+                edge.friction += load.friction;
+            }
+        }
+        edges
     }
 
-    /// Σ f lᵀ over the contacts of two rigid bodies, J, with the force f on B without dashpots and the vector l from the centroid of A
-    /// to that of B. Over the volume of a periodic cell this is the mean stress, positive in compression (Love 1927, Weber 1966).
+    /// Σ f lᵀ over the contacts of two bodies, J, with the force f on B without dashpots and the vector l from the centroid of A
+    /// to that of B (of a deformable body the mean of its nodes). Over the volume of a periodic cell this is the mean stress, positive in compression (Love 1927, Weber 1966).
     pub fn virial(&self) -> Matrix3 {
         let mut sum = Matrix3::zeros();
         for contact in self.between_bodies() {
@@ -64,10 +62,11 @@ impl ContactBatch {
             let force = elastic + contact.friction - contact.drag;
             sum += force * branch(contact).transpose();
         }
-        sum
+        let soft = self.deformable.as_ref().map(|part| part.virial());
+        sum + soft.unwrap_or_default()
     }
 
-    /// Stiffness of all contacts of two rigid bodies against a strain along an axis, J: Σ (k_n n² + k_t (1 - n²)) l² with the
+    /// Stiffness of all contacts of two bodies against a strain along an axis, J: Σ (k_n n² + k_t (1 - n²)) l² with the
     /// components n of the normal and l of the vector between the centroids along the axis.
     pub fn stiffness_along(&self, axis: usize) -> f64 {
         let each = self.between_bodies().map(|contact| {
@@ -76,7 +75,11 @@ impl ContactBatch {
                 contact.foundation.stiffness * along + contact.tangential_stiffness * (1.0 - along);
             stiffness * branch(contact)[axis].powi(2)
         });
-        each.sum()
+        let soft = self
+            .deformable
+            .as_ref()
+            .map(|part| part.stiffness_along(axis));
+        each.sum::<f64>() + soft.unwrap_or(0.0)
     }
 
     fn between_bodies(&self) -> impl Iterator<Item = &RigidContact> {
@@ -93,7 +96,7 @@ impl ContactBatch {
         let radii = self.shapes.iter().map(reach);
         let largest = 2.0 * radii.fold(0.0, f64::max);
         let edges = cell.edges();
-        let axes = (0..3).filter(|&axis| cell.repeats(axis) && !self.is_empty());
+        let axes = (0..3).filter(|&axis| cell.repeats(axis) && largest > 0.0);
         for axis in axes {
             check(
                 "side of a periodic cell over the diameter of the largest body, liquid bridge included",

@@ -230,10 +230,7 @@ mod tests {
             tree.refit(&boxes);
             (tree, boxes)
         });
-        let trees = [0, 1].map(|k| Tree {
-            tree: &own[k].0,
-            boxes: &own[k].1,
-        });
+        let trees = [0, 1].map(|k| Tree::here(&own[k].0, &own[k].1));
         let sides = Sides { operands, trees };
         let mut list = Candidates::default();
         let near = list.renewed(&sides, 0.0).unwrap().unwrap();

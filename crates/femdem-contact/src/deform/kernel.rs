@@ -169,13 +169,10 @@ impl OwnTree {
 
     fn tree<'a>(&'a self, operand: &Operand<'a>) -> Tree<'a> {
         match (&self.0, operand) {
-            (Some((tree, boxes)), _) => Tree { tree, boxes },
+            (Some((tree, boxes)), _) => Tree::here(tree, boxes),
             (None, Operand::Rigid(mesh, _)) => mesh.cells.tree(),
             (None, Operand::Wall(wall, _)) => wall.cells.tree(),
-            (None, Operand::Deformable(shape, _)) => Tree {
-                tree: shape.tree(),
-                boxes: &[],
-            },
+            (None, Operand::Deformable(shape, _)) => Tree::here(shape.tree(), &[]),
         }
     }
 }
@@ -183,10 +180,7 @@ impl OwnTree {
 impl crate::tets::cells::Cells {
     /// The tree of a rigid side, in its own axes.
     pub(crate) fn tree(&self) -> Tree<'_> {
-        Tree {
-            tree: &self.tree,
-            boxes: &self.boxes,
-        }
+        Tree::here(&self.tree, &self.boxes)
     }
 }
 

@@ -40,6 +40,16 @@ pub(crate) struct Members {
 pub(crate) struct Tree<'a> {
     pub tree: &'a Bvh,
     pub boxes: &'a [Aabb],
+    /// Where the body is seen, from where its boxes are, m: its image in periodic space.
+    pub away: Vector3,
+}
+
+impl<'a> Tree<'a> {
+    /// The tree of a body where it is.
+    pub fn here(tree: &'a Bvh, boxes: &'a [Aabb]) -> Self {
+        let away = Vector3::zeros();
+        Self { tree, boxes, away }
+    }
 }
 
 /// The two sides of a pair with their trees. B is deformable.
@@ -64,7 +74,7 @@ impl Sides<'_> {
         }
     }
 
-    /// Approximate centre of the tetrahedra of the pairs.
+    /// Approximate centre of the tetrahedra of the pairs, from those of B.
     fn middle(&self, pairs: &[[u32; 2]]) -> Option<Vector3> {
         let box_of = |pair: &[u32; 2]| self.trees[1].boxes.get(pair[1] as usize);
         let first = box_of(pairs.first()?)?;
@@ -125,9 +135,13 @@ impl Search for Sides<'_> {
     /// A lower bound of the distance, from the boxes around both, m.
     fn gap(&self) -> f64 {
         let [a, b] = self.trees.map(|t| t.tree.bounds());
+        let away = self.trees[0].away;
         match self.operands[0] {
             Operand::Deformable(..) => (0..3)
-                .map(|k| (a.low[k] - b.high[k]).max(b.low[k] - a.high[k]))
+                .map(|k| {
+                    let (low, high) = (a.low[k] + away[k], a.high[k] + away[k]);
+                    (low - b.high[k]).max(b.low[k] - high)
+                })
                 .fold(f64::NEG_INFINITY, f64::max),
             Operand::Rigid(_, frame) | Operand::Wall(_, frame) => {
                 let inverse = frame.rotation.transpose();
@@ -141,11 +155,13 @@ impl Search for Sides<'_> {
     fn find(&self, margin: f64, motion: f64) -> Result<Option<Box<Near>>, Failure> {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         let test = self.box_test(margin);
+        let away = self.trees[0].away;
         let meet = |a: &Aabb, b: &Aabb| match &test {
             Some(test) => test.meet(a, b),
-            None => {
-                (0..3).all(|k| a.low[k] - margin <= b.high[k] && b.low[k] - margin <= a.high[k])
-            }
+            None => (0..3).all(|k| {
+                let (low, high) = (a.low[k] + away[k], a.high[k] + away[k]);
+                low - margin <= b.high[k] && b.low[k] - margin <= high
+            }),
         };
         let [a, b] = &self.trees;
         a.tree.visit_pairs(b.tree, meet, |i, j| {

@@ -93,6 +93,14 @@ impl Turning {
         &self.centre
     }
 
+    /// The same of an image of the body that is `way` (m) away and moves by `velocity` (m/s) faster.
+    pub fn seen_from(&self, way: &Vector3, velocity: &Vector3) -> Self {
+        let mut seen = self.clone();
+        seen.centre += way;
+        seen.velocity += velocity;
+        seen
+    }
+
     /// |f|²/M + t I⁻¹ t of a force (N) and a torque about the centre (N m), N²/kg.
     pub fn response(&self, force: &Vector3, torque: &Vector3) -> f64 {
         force.norm_squared() / self.total + torque.dot(&(self.inverse_inertia * torque))

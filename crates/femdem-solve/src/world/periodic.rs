@@ -4,6 +4,7 @@ use super::World;
 use crate::body::Body;
 use crate::error::{SolveError, check};
 use crate::ledger::Flows;
+use crate::parameters::Medium;
 use femdem_contact::PeriodicCell;
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -61,7 +62,7 @@ impl World {
 
     /// Lets the edges of the periodic cell move with these velocities (the columns of a matrix, m/s) from now on, and all free bodies
     /// with the space in which they are: their velocities change by the change of the velocity gradient times the way from their
-    /// centre of mass. After that they follow Newton's law alone, as in the method of Lees and Edwards (1972). What this gives
+    /// centre of mass. A deformable body moves as a whole, by the change at its own centre; one with held nodes does not. After that they follow Newton's law alone, as in the method of Lees and Edwards (1972). What this gives
     /// to the bodies, and the work over the edges, is in [`Ledger::work_in`](crate::Ledger::work_in).
     ///
     /// Nothing sleeps while the cell moves. The resistance of a medium is that against the motion in the moving space.
@@ -90,7 +91,7 @@ impl World {
         self.batch.set_cell(moving)?;
         let change = Streaming {
             gradient: moving.velocity_gradient() - cell.velocity_gradient(),
-            centre: self.centre_of_awake(),
+            centre: self.centre_of_free(),
         };
         for &i in &self.awake {
             let body = &mut self.bodies[i as usize];
@@ -99,6 +100,9 @@ impl World {
                 body.velocity += change.at(&body.position);
                 self.flows.work_in += body.kinetic_energy() - before;
             }
+        }
+        if let Some(deformables) = &mut self.deformables {
+            self.flows.work_in += deformables.follow_space(|centre| change.at(centre));
         }
         Ok(())
     }
@@ -118,23 +122,26 @@ impl World {
         Some(self.batch.stiffness_along(axis) / cell.edges()[(axis, axis)].powi(2))
     }
 
-    /// The motion of space now, if it is deformed.
-    pub(super) fn streaming(&self) -> Option<Streaming> {
-        let cell = self.cell().filter(|cell| cell.moves())?;
+    /// The motion of space now, if it is deformed and a medium resists the motion against it.
+    pub(super) fn resisting_stream(&self) -> Option<Streaming> {
+        let resists = self.parameters.medium != Medium::default();
+        let cell = self.cell().filter(|cell| resists && cell.moves())?;
         Some(Streaming {
             gradient: cell.velocity_gradient(),
-            centre: self.centre_of_awake(),
+            centre: self.centre_of_free(),
         })
     }
 
-    /// Centre of mass of the free rigid bodies that are awake, m.
-    fn centre_of_awake(&self) -> Vector3 {
+    /// Centre of mass of the free bodies, rigid ones if they are awake, m.
+    fn centre_of_free(&self) -> Vector3 {
         let free = self.awake.iter().map(|&i| &self.bodies[i as usize]);
         let free = free.filter(|body| body.driven.is_none());
         let sum = |(mass, moment): (f64, Vector3), body: &Body| {
             (mass + body.mass, moment + body.position * body.mass)
         };
-        let (mass, moment) = free.fold((0.0, Vector3::zeros()), sum);
+        let deformables = self.deformables.as_deref();
+        let soft = deformables.map_or((0.0, Vector3::zeros()), |d| d.first_moment());
+        let (mass, moment) = free.fold(soft, sum);
         if mass > 0.0 { moment / mass } else { moment }
     }
 

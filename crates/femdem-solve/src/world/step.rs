@@ -223,9 +223,7 @@ impl World {
     fn kick(&mut self, h: f64) {
         let mut flows = Flows::default();
         self.book_edges(h, &mut flows);
-        // A medium resists the motion against that of space.
-        let resists = self.parameters.medium != Medium::default();
-        let streaming = resists.then(|| self.streaming()).flatten();
+        let streaming = self.resisting_stream();
         let loads = self.batch.loads();
         for &i in &self.awake {
             let (body, load) = (&mut self.bodies[i as usize], &loads[i as usize]);

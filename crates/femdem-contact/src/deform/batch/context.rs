@@ -41,7 +41,11 @@ impl Context<'_> {
             Side::Rigid(i) => self.around.rigid[i as usize].travelled,
             Side::Wall(w) => self.around.walls[w as usize].travelled,
         };
-        of_a + of(pair.b)
+        let edges = self
+            .around
+            .space
+            .map_or(0.0, |space| space.path(pair.image));
+        of_a + of(pair.b) + edges
     }
 
     /// The solid of the wall of a pair, and whether it was rebuilt. `None` if no part of the wall is near.

@@ -4,6 +4,7 @@ use super::body::SoftBody;
 use super::context::Context;
 use super::look::{Due, Look};
 use super::pair::SoftPair;
+use super::periodic::Seen;
 use crate::deform::add_up::{Way, run as run_kernel};
 use crate::deform::kernel::DeformableKernel;
 use crate::deform::near::{Sides, Tree};
@@ -64,16 +65,33 @@ impl Context<'_> {
             Way::Skins
         };
         let (mut turning, mut frequency) = (None, 0.0);
+        let seen = self.seen(a, bodies, pair.image, swapped);
         let (of_a, tree_a, modulus, mover) = match a {
             Side::Deformable(i) => {
                 let body = bodies.get(i as usize)?;
-                let state = self.states.get(i as usize)?;
-                let operand = self.soft(i, body)?;
+                let mut state = *self.states.get(i as usize)?;
+                let mut tree = tree(body)?;
                 (turning, frequency) = (body.turning.as_ref(), body.frequency);
-                (operand, tree(body)?, body.modulus, Mover::Nodes(*state))
+                if let Some(Seen::Nodes {
+                    positions,
+                    velocities,
+                    turning: of_image,
+                    way,
+                }) = &seen
+                {
+                    (state.positions, state.velocities) = (positions, velocities);
+                    turning = of_image.as_ref();
+                    tree.away = *way;
+                }
+                let shape = self.shapes.get(body.shape as usize)?;
+                let operand = Operand::Deformable(shape, state.positions);
+                (operand, tree, body.modulus, Mover::Nodes(state))
             }
             Side::Rigid(i) => {
-                let motion = self.around.rigid.get(i as usize)?;
+                let motion = match &seen {
+                    Some(Seen::Rigid(motion)) => motion,
+                    _ => self.around.rigid.get(i as usize)?,
+                };
                 let kind = (*self.around.rigid_kinds.get(i as usize)?)?;
                 let mesh = self.around.rigid_meshes.get(kind as usize)?;
                 let operand = Operand::Rigid(mesh, &motion.frame);
@@ -129,13 +147,14 @@ impl Context<'_> {
         if swapped {
             pair.outcome.swap_sides();
         }
+        pair.branch = self.branch(pair, bodies);
         Some(())
     }
 }
 
 fn tree(body: &SoftBody) -> Option<Tree<'_>> {
     let (tree, boxes) = body.tree.as_deref()?;
-    Some(Tree { tree, boxes })
+    Some(Tree::here(tree, boxes))
 }
 
 /// Evaluates the pairs that are due. Each is written to its own slot, so the results are the same bits in any order and

@@ -86,6 +86,7 @@ impl Context<'_> {
         }
         pair.failure = None;
         pair.counts = [0; 2];
+        self.choose_image(pair, bodies);
         let mut is_apart = false;
         if let Side::Wall(w) = pair.a {
             let (solid, fresh) = self.wall(&mut pair.local, w, &bodies[pair.b as usize]);

@@ -8,6 +8,7 @@ mod evaluate;
 mod look;
 mod pair;
 mod pairs;
+mod periodic;
 mod prepare;
 mod remove;
 mod reshape;
@@ -27,6 +28,7 @@ use crate::general::FieldMesh;
 use crate::generalized::Resistance;
 use crate::materials::Materials;
 use crate::motion::Motion;
+use crate::periodic::{EdgeLoad, Space};
 use crate::record::Contact;
 use crate::walls::WallShape;
 use bend::Bend;
@@ -51,6 +53,8 @@ pub(crate) struct Around<'a> {
     pub wall_shapes: &'a [Option<WallShape>],
     pub rigid: &'a [Motion],
     pub walls: &'a [Motion],
+    /// Where space repeats itself.
+    pub space: Option<&'a Space>,
     /// Time since the last update, s.
     pub dt: f64,
 }
@@ -72,6 +76,8 @@ pub(crate) struct DeformablePart {
     rigid_resistances: Vec<Resistance>,
     wall_loads: Vec<Load>,
     totals: DeformableTotals,
+    #[serde(skip)]
+    edges: [EdgeLoad; 3],
     #[serde(skip)]
     scratches: Scratches,
 }
@@ -246,7 +252,7 @@ impl DeformablePart {
             rigid_sleep: &self.rigid_sleep,
             states,
         };
-        let found = self.count > 0 && self.pairs.search(&context, &mut self.bodies);
+        let found = self.count > 0 && self.pairs.search(&context, &mut self.bodies)?;
         let begins = !self.starts.is_empty();
         if begins {
             for pair in self.pairs.list_mut() {
@@ -326,6 +332,7 @@ impl DeformablePart {
             false => look::stirred(looks, count),
         };
         body::gather(&mut self.bodies, pairs, &touching, &stirred);
+        self.sum_edges();
     }
 
     /// Whether anything touches a deformable body.

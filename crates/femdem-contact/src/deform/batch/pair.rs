@@ -6,6 +6,7 @@ use crate::deform::pair::FrictionStart;
 use crate::deform::record::DeformableTotals;
 use crate::deform::side::Side;
 use crate::walls::LocalSolid;
+use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// A body or wall A, and a deformable body B.
@@ -14,6 +15,10 @@ pub(crate) struct SoftPair {
     pub a: Side,
     pub b: u32,
     pub candidates: Candidates,
+    /// In periodic space: which image of A it is that B meets.
+    pub image: [i32; 3],
+    /// From the centre of that image to the centre of B, m, where they touched last.
+    pub branch: Vector3,
     /// The part of a wall of planes near the body.
     pub local: LocalSolid,
     pub outcome: Outcome,
@@ -30,6 +35,8 @@ impl SoftPair {
             a,
             b,
             candidates: Candidates::default(),
+            image: [0; 3],
+            branch: Vector3::zeros(),
             local: LocalSolid::default(),
             outcome: Outcome::default(),
             failure: None,

@@ -7,7 +7,10 @@ use super::pair::SoftPair;
 use super::state::Sleep;
 use crate::contact::BodyId;
 use crate::deform::side::Side;
+use crate::error::{ContactError, check};
 use crate::motion::Motion;
+use crate::periodic::Space;
+use femdem_mesh::PeriodicCell;
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -25,6 +28,8 @@ pub(crate) struct PairList {
     /// Travel of the deformable bodies, the rigid ones and the walls at which a new search is due, m; empty
     /// before the first one.
     expires: [Vec<f64>; 3],
+    /// In periodic space the same of its edges, m.
+    edges_expire: f64,
 }
 
 impl PairList {
@@ -55,15 +60,24 @@ impl PairList {
     }
 
     /// Searches for pairs if a body has moved too far since the last search, and returns whether it did.
-    pub fn search(&mut self, context: &Context, bodies: &mut [SoftBody]) -> bool {
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] for a periodic cell that is too small for a body.
+    pub fn search(
+        &mut self,
+        context: &Context,
+        bodies: &mut [SoftBody],
+    ) -> Result<bool, ContactError> {
+        let space = context.around.space;
         let rigid = context.around.rigid;
         let walls = context.around.walls;
         let [of_soft, of_rigid, of_walls] = &self.expires;
         let is_valid = stay(bodies.iter().map(|b| b.travelled), of_soft)
             && stay(travels(rigid), of_rigid)
-            && stay(travels(walls), of_walls);
+            && stay(travels(walls), of_walls)
+            && space.is_none_or(|space| space.path([1; 3]) < self.edges_expire);
         if is_valid {
-            return false;
+            return Ok(false);
         }
         let extents = on_each(bodies, GRAIN, |_, body| {
             if !body.is_there {
@@ -108,7 +122,18 @@ impl PairList {
             f64::INFINITY
         };
         skins[2] = vec![until; walls.len()];
-        let mut keys = body_pairs(&things);
+        let mut keys = match space {
+            Some(space) => {
+                let skins = skins[0].iter().chain(&skins[1]).copied();
+                let skin = skins.filter(finite).fold(f64::INFINITY, f64::min);
+                let largest = extents.iter().map(|(_, radius)| *radius).filter(finite);
+                check_fits(space, largest.fold(0.0, f64::max))?;
+                let (keys, edges) = pairs_of_images(&things, space, skin);
+                self.edges_expire = space.path([1; 3]) + skin / edges;
+                keys
+            }
+            None => body_pairs(&things),
+        };
         let own = bodies
             .iter()
             .zip(0..)
@@ -138,7 +163,7 @@ impl PairList {
             travels(rigid).zip(of_rigid).map(until).collect(),
             travels(walls).zip(of_walls).map(until).collect(),
         ];
-        true
+        Ok(true)
     }
 
     /// Replaces the list by the pairs `keys`, which are sorted; pairs that stay keep their data.
@@ -195,6 +220,71 @@ fn travels(motions: &[Motion]) -> impl ExactSizeIterator<Item = f64> {
 /// Whether nothing has travelled as far as to where it must be looked for again.
 fn stay(travelled: impl ExactSizeIterator<Item = f64>, expires: &[f64]) -> bool {
     travelled.len() == expires.len() && travelled.zip(expires).all(|(now, until)| now < *until)
+}
+
+/// Refuses a cell in which a body whose nodes are within `radius` (m) of its centre could meet another one on two sides.
+fn check_fits(space: &Space, radius: f64) -> Result<(), ContactError> {
+    let edges = space.cell.edges();
+    let largest = 2.0 * (1.0 + HALF_SKIN) * radius;
+    for axis in (0..3).filter(|&axis| space.cell.repeats(axis)) {
+        check(
+            "side of a periodic cell over the diameter of the largest deformable body, with a margin for its motion",
+            edges[(axis, axis)] / largest,
+            edges[(axis, axis)] >= PeriodicCell::LEAST_DIAMETERS * largest,
+            "at least 2.25, so that no body meets another one on two sides",
+        )?;
+    }
+    Ok(())
+}
+
+/// The same in periodic space, sorted, where edges may move by `skin` (m) in all over the number of edges between two places, which is
+/// returned, too.
+fn pairs_of_images(
+    things: &[(Side, Aabb)],
+    space: &Space,
+    skin: f64,
+) -> (Vec<(Side, BodyId)>, f64) {
+    let mut farthest = 0;
+    let mut largest = 0.0_f64;
+    let mut place = |(side, bounds): &(Side, Aabb)| {
+        let (image, _) = space.cell.split(&bounds.center().coords);
+        farthest = image.iter().fold(farthest, |most, n| n.abs().max(most));
+        let bounds = bounds.grown(0.5 * skin);
+        largest = largest.max(0.5 * (bounds.high - bounds.low).norm());
+        (*side, shifted(&bounds, &-space.cell.offset(image)))
+    };
+    let placed: Vec<(Side, Aabb)> = things.iter().map(&mut place).collect();
+    let boxes: Vec<Aabb> = placed.iter().map(|(_, bounds)| *bounds).collect();
+    let tree = Bvh::new(&boxes);
+    let mut keys = Vec::new();
+    for (thing, own) in &placed {
+        let Side::Deformable(b) = *thing else {
+            break;
+        };
+        space.beside(&own.center().coords, 2.0 * largest, |away| {
+            let own = shifted(own, away);
+            tree.query(&own, |i| {
+                let (other, bounds) = &placed[i as usize];
+                let is_partner = match *other {
+                    Side::Deformable(a) => a < b,
+                    Side::Rigid(_) | Side::Wall(_) => true,
+                };
+                if is_partner && bounds.overlaps(&own) {
+                    keys.push((*other, b));
+                }
+            });
+        });
+    }
+    keys.sort_unstable();
+    keys.dedup();
+    (keys, f64::from(2 * farthest + 1))
+}
+
+fn shifted(bounds: &Aabb, way: &Vector3) -> Aabb {
+    Aabb {
+        low: bounds.low + way,
+        high: bounds.high + way,
+    }
 }
 
 /// Pairs with a deformable body of things that are in ascending order, deformable bodies first.

@@ -2,11 +2,12 @@
 
 use super::each::on_each;
 use super::fracture::Breakable;
-use super::{Deformables, State};
+use super::{Deformables, State, centroid};
 use crate::ledger::Flows;
 use crate::parameters::{Medium, WorldParameters};
 use crate::world::World;
 use crate::world::medium::{relaxation, resist};
+use crate::world::periodic::Streaming;
 use femdem_contact::ContactBatch;
 use femdem_contact::deform::NodalLoads;
 use femdem_fem::DeformableModel;
@@ -17,6 +18,8 @@ pub(super) struct Kick<'a> {
     batch: &'a ContactBatch,
     gravity: &'a Vector3,
     medium: &'a Medium,
+    /// Motion of the medium, if it moves.
+    streaming: Option<Streaming>,
     /// s.
     h: f64,
 }
@@ -44,9 +47,15 @@ impl Kicked {
 }
 
 impl<'a> Kick<'a> {
-    pub fn new(batch: &'a ContactBatch, parameters: &'a WorldParameters, h: f64) -> Self {
+    pub fn new(
+        batch: &'a ContactBatch,
+        parameters: &'a WorldParameters,
+        streaming: Option<Streaming>,
+        h: f64,
+    ) -> Self {
         Self {
             batch,
+            streaming,
             gravity: &parameters.gravity,
             medium: &parameters.medium,
             h,
@@ -72,7 +81,15 @@ impl<'a> Kick<'a> {
             Vector3::zeros()
         };
         let mut flows = if !plain || !body.boundary.is_free() {
-            body.kick(&contact, masses, &gravity, self.medium, self.h)
+            let at = |s: &Streaming| s.at(&centroid(&body.positions, masses));
+            let streaming = self.streaming.as_ref().map(at).unwrap_or_default();
+            body.kick(
+                &contact,
+                masses,
+                &gravity,
+                (self.medium, &streaming),
+                self.h,
+            )
         } else if self.batch.touches(i) {
             body.kick_touching(&contact, &gravity, self.h)
         } else {
@@ -93,13 +110,13 @@ impl World {
     /// the end of the step, and books the work. Computes the largest next step while the forces are in the cache. Returns
     /// the kinetic energy, J.
     pub(in crate::world) fn kick_deformables(&mut self, h: f64) -> f64 {
-        let time = self.time;
+        let (time, streaming) = (self.time, self.resisting_stream());
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return 0.0;
         };
         let Deformables { models, bodies, .. } = deformables;
         let batch = &self.batch;
-        let kick = Kick::new(batch, &self.parameters, h);
+        let kick = Kick::new(batch, &self.parameters, streaming, h);
         let results = on_each(bodies, |i, body| {
             if body.is_vacant() {
                 return Kicked::none();
@@ -161,7 +178,7 @@ impl State {
         flows
     }
 
-    /// Half a kick. Works are the forces times the mean of the velocities before and after. Held and driven
+    /// Half a kick in a medium that moves with the velocity `streaming` (m/s). Works are the forces times the mean of the velocities before and after. Held and driven
     /// components keep their velocity: their support balances all forces, and the medium does not act on
     /// them.
     fn kick(
@@ -169,7 +186,7 @@ impl State {
         contact: &NodalLoads,
         masses: &[f64],
         gravity: &Vector3,
-        medium: &Medium,
+        (medium, streaming): (&Medium, &Vector3),
         h: f64,
     ) -> Flows {
         let mut flows = Flows::default();
@@ -181,8 +198,9 @@ impl State {
             if *medium == Medium::default() {
                 *v += force * (h / m);
             } else {
-                let resisted = resist(&force, &before, medium.local_damping);
-                *v = before * decay + resisted * (reach / m);
+                let through = before - streaming;
+                let resisted = resist(&force, &through, medium.local_damping);
+                *v = streaming + through * decay + resisted * (reach / m);
             }
             while let Some((_, i)) = held.next_if(|&(node, _)| node as usize == a) {
                 v[i] = before[i];

@@ -9,6 +9,7 @@ mod nodal_bound;
 mod query;
 mod rest;
 mod single;
+mod space;
 mod step;
 
 use crate::error::SolveError;

@@ -35,12 +35,13 @@ impl World {
     /// body by body, so that each is read from memory once.
     pub(in crate::world) fn advance_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
         let (time, steps, renew) = (self.time, self.steps, self.renews_bounds());
+        let streaming = self.resisting_stream();
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
         let Deformables { models, bodies, .. } = deformables;
         let batch = &self.batch;
-        let kick = Kick::new(batch, &self.parameters, 0.5 * dt);
+        let kick = Kick::new(batch, &self.parameters, streaming, 0.5 * dt);
         let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
             if body.rest.asleep {
                 return (Flows::default(), Ok(InternalState::default()));
