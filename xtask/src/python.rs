@@ -18,6 +18,10 @@ const BINDINGS: &str = "crates/femdem-python";
 const BUILD: &str =
     "build --workspace --all-features --lib --bin femdem --example embed_kernel --locked";
 
+/// Builds the program with the features that its libraries have in the wheel, so that after that little is left to build.
+const BUILD_BESIDE_WHEEL: &str =
+    "build --package femdem --package femdem-python --bin femdem --locked";
+
 /// What the tests need from the index of Python packages. PyVista is left out: it is large.
 const PACKAGES: [&str; 6] = ["mypy", "numpy", "pytest", "trimesh", "meshio", "pandas"];
 
@@ -33,7 +37,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     let target = xtask::target_folder(root);
     let place = target.join("python");
     let environment = Environment::prepare(&place)?;
-    let program = program(root, &target)?;
+    let program = program(root, &target, BUILD)?;
     let package = package(root, &target, &place)?;
     check(root, &place, &environment, &program, Some(&package))
 }
@@ -47,7 +51,7 @@ pub(crate) fn wheel(root: &Path) -> Result<bool> {
     let place = target.join("python");
     let environment = Environment::prepare(&place)?;
     environment.install(&build(root, &target, &environment)?)?;
-    let program = program(root, &target)?;
+    let program = program(root, &target, BUILD_BESIDE_WHEEL)?;
     let good = check(root, &place, &environment, &program, None)?;
     environment.uninstall()?;
     Ok(good)
@@ -225,10 +229,10 @@ fn build(root: &Path, target: &Path, environment: &Environment) -> Result<PathBu
     }
 }
 
-/// Builds the compiled half of the package, and the program, whose results are compared; returns the path of that.
-fn program(root: &Path, target: &Path) -> Result<PathBuf> {
+/// Builds the program, whose results are compared, and what else is asked for; returns its path.
+fn program(root: &Path, target: &Path, arguments: &str) -> Result<PathBuf> {
     let mut build = cargo();
-    build.args(BUILD.split_whitespace()).current_dir(root);
+    build.args(arguments.split_whitespace()).current_dir(root);
     ensure!(passed(&mut build)?, "the program was not built");
     let name = format!("femdem{}", env::consts::EXE_SUFFIX);
     Ok(target.join("debug").join(name))

@@ -1,4 +1,4 @@
-// The three layers from C++: a pair, 500 bodies with the host's own integrator, a world. Numbers are checked; the program ends
+// The three layers from C++: a pair, 500 bodies with the host's own integrator, a world, bonds. Numbers are checked; the program ends
 // with 1 if one is wrong.
 #include <femdem.hpp>
 
@@ -110,6 +110,27 @@ void world() {
     std::printf("world: at rest at %.6f m, the floor bears %.3f N\n", height, -load.force[2]);
 }
 
+// A ball glued to one that is held hangs by its weight.
+void bond() {
+    FemdemWorldParameters parameters = femdem::default_parameters();
+    parameters.sleeping = 0;
+    femdem::World world(parameters);
+    femdem::Shape ball("sphere", 0.1);
+    uint32_t held = world.add_body(ball, 2500.0, {femdem::at(0, 0, 0), {}});
+    uint32_t hung = world.add_body(ball, 2500.0, {femdem::at(0.1, 0, 0), {}});
+    FemdemDrive still{};
+    still.kind = FEMDEM_DRIVE_FIXED;
+    femdem::check(femdem_world_drive_body(world, held, &still));
+    FemdemBondLaw law = femdem::default_bond_law();
+    law.damping = 0.5;
+    world.add_bond(held, hung, 1e-3, 0.5, law);
+    world.step_until(0.02);
+    FemdemBond bond = world.bonds().at(0);
+    const double weight = 9.81 * 2500.0 * ball.properties().volume;
+    expect(std::abs(bond.force[2] / -weight - 1.0) < 0.02 && bond.broken == 0, "the bond bears the weight");
+    std::printf("bond: %.3f N\n", -bond.force[2]);
+}
+
 // What is wrong is an exception with words.
 void refusals() {
     try {
@@ -135,6 +156,7 @@ int main() {
         pair();
         batch();
         world();
+        bond();
         refusals();
     } catch (const std::exception &error) {
         std::fprintf(stderr, "%s\n", error.what());

@@ -5,7 +5,10 @@ module femdem
   implicit none
   public
 
-  integer(c_int32_t), parameter :: FEMDEM_ABI_VERSION = 1
+  integer(c_int32_t), parameter :: FEMDEM_ABI_VERSION = 2
+  integer(c_int32_t), parameter :: FEMDEM_SOFTENING_LINEAR = 0
+  integer(c_int32_t), parameter :: FEMDEM_SOFTENING_EXPONENTIAL = 1
+  integer(c_int32_t), parameter :: FEMDEM_SOFTENING_BILINEAR = 2
   integer(c_int32_t), parameter :: FEMDEM_DRIVE_FIXED = 0
   integer(c_int32_t), parameter :: FEMDEM_DRIVE_LINEAR = 1
   integer(c_int32_t), parameter :: FEMDEM_DRIVE_SHAKE = 2
@@ -103,11 +106,6 @@ module femdem
     type(femdem_velocity_t) :: velocity
   end type
 
-  type, bind(c) :: femdem_shift_t
-    real(c_double) :: displacement(3) = 0d0
-    real(c_double) :: velocity(3) = 0d0
-  end type
-
   type, bind(c) :: femdem_world_t
     integer(c_int64_t) :: id = 0
   end type
@@ -131,6 +129,37 @@ module femdem
     integer(c_int32_t) :: kind = 0
     integer(c_int32_t) :: vertex_count = 0
     integer(c_int32_t) :: triangle_count = 0
+  end type
+
+  type, bind(c) :: femdem_bond_law_t
+    real(c_double) :: stiffness = 0d0
+    real(c_double) :: tensile = 0d0
+    real(c_double) :: cohesion = 0d0
+    real(c_double) :: friction = 0d0
+    real(c_double) :: opening_energy = 0d0
+    real(c_double) :: sliding_energy = 0d0
+    real(c_double) :: mix = 0d0
+    real(c_double) :: damping = 0d0
+    integer(c_int32_t) :: softening = 0
+  end type
+
+  type, bind(c) :: femdem_bond_t
+    integer(c_int32_t) :: bond = 0
+    integer(c_int32_t) :: a = 0
+    integer(c_int32_t) :: b = 0
+    integer(c_int32_t) :: broken = 0
+    integer(c_int32_t) :: ended = 0
+    real(c_double) :: area = 0d0
+    real(c_double) :: centre(3) = 0d0
+    real(c_double) :: normal(3) = 0d0
+    real(c_double) :: force(3) = 0d0
+    real(c_double) :: moment(3) = 0d0
+    real(c_double) :: tension = 0d0
+    real(c_double) :: energy = 0d0
+    real(c_double) :: dissipated = 0d0
+    real(c_double) :: damage = 0d0
+    real(c_double) :: mode = 0d0
+    real(c_double) :: broken_at = 0d0
   end type
 
   type, bind(c) :: femdem_drive_t
@@ -351,12 +380,12 @@ module femdem
       integer(c_int) :: answer
     end function
 
-    function femdem_batch_move_wall(batch, wall, shift) &
+    function femdem_batch_move_wall(batch, wall, motion) &
         bind(c) result(answer)
       import
       type(femdem_batch_t), value :: batch
       integer(c_int32_t), value :: wall
-      type(femdem_shift_t), intent(in) :: shift
+      type(femdem_motion_t), intent(in) :: motion
       integer(c_int) :: answer
     end function
 
@@ -463,6 +492,49 @@ module femdem
       integer(c_size_t), value :: vertex_count
       integer(c_int32_t), intent(inout) :: triangles(*)
       integer(c_size_t), value :: triangle_count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_bond_law_default(law) &
+        bind(c) result(answer)
+      import
+      type(femdem_bond_law_t), intent(out) :: law
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_add_bond(world, body_a, body_b, corners, corner_count, law, bond) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body_a
+      integer(c_int32_t), value :: body_b
+      real(c_double), intent(in) :: corners(*)
+      integer(c_size_t), value :: corner_count
+      type(femdem_bond_law_t), intent(in) :: law
+      integer(c_int32_t), intent(out) :: bond
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_add_bond_between(world, body_a, body_b, gap, ratio, law, bond) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body_a
+      integer(c_int32_t), value :: body_b
+      real(c_double), value :: gap
+      real(c_double), value :: ratio
+      type(femdem_bond_law_t), intent(in) :: law
+      integer(c_int32_t), intent(out) :: bond
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_bonds(world, bonds, room, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      type(femdem_bond_t), intent(inout) :: bonds(*)
+      integer(c_size_t), value :: room
+      integer(c_size_t), intent(out) :: count
       integer(c_int) :: answer
     end function
 

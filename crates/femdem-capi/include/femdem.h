@@ -27,7 +27,22 @@
 /*
  Number of the interface: it rises with every change after which a program has to be compiled anew.
  */
-#define FEMDEM_ABI_VERSION 1
+#define FEMDEM_ABI_VERSION 2
+
+/*
+ Softening of a FemdemBondLaw: along a straight line.
+ */
+#define FEMDEM_SOFTENING_LINEAR 0
+
+/*
+ Softening of a FemdemBondLaw: along an exponential that ends.
+ */
+#define FEMDEM_SOFTENING_EXPONENTIAL 1
+
+/*
+ Softening of a FemdemBondLaw: along two straight lines, as of concrete.
+ */
+#define FEMDEM_SOFTENING_BILINEAR 2
 
 /*
  Kind of a FemdemDrive: held where it is.
@@ -354,20 +369,6 @@ typedef struct {
 } FemdemMotion;
 
 /*
- Where a wall of a batch is.
- */
-typedef struct {
-  /*
-   From where it was added, m.
-   */
-  double displacement[3];
-  /*
-   m/s.
-   */
-  double velocity[3];
-} FemdemShift;
-
-/*
  Bodies in motion.
  */
 typedef struct {
@@ -448,6 +449,118 @@ typedef struct {
    */
   uint32_t triangle_count;
 } FemdemShapeProperties;
+
+/*
+ How a bond holds and breaks, per area of its section. Begin with femdem_bond_law_default.
+ */
+typedef struct {
+  /*
+   Along and across the normal, Pa/m: Young's modulus over the thickness.
+   */
+  double stiffness;
+  /*
+   Tensile strength, Pa.
+   */
+  double tensile;
+  /*
+   Shear strength without pressure, Pa.
+   */
+  double cohesion;
+  /*
+   Coefficient of friction, of the strength under pressure and of the broken faces.
+   */
+  double friction;
+  /*
+   Energy of fracture by opening, J/m^2.
+   */
+  double opening_energy;
+  /*
+   Energy of fracture by sliding, J/m^2.
+   */
+  double sliding_energy;
+  /*
+   Exponent of mixed modes.
+   */
+  double mix;
+  /*
+   Part of the critical damping of the two bodies along the normal, from 0 to below 10.
+   */
+  double damping;
+  /*
+   One of the FEMDEM_SOFTENING constants.
+   */
+  int32_t softening;
+} FemdemBondLaw;
+
+/*
+ A bond between the bodies A and B. Vectors are in world axes.
+ */
+typedef struct {
+  /*
+   Its number.
+   */
+  uint32_t bond;
+  /*
+   Number of the body A.
+   */
+  uint32_t a;
+  /*
+   Number of the body B.
+   */
+  uint32_t b;
+  /*
+   1 if nothing holds any more, else 0.
+   */
+  int32_t broken;
+  /*
+   1 if it carries nothing any more and the bodies meet by their contacts again, else 0.
+   */
+  int32_t ended;
+  /*
+   m^2.
+   */
+  double area;
+  /*
+   Centroid of the section midway between its sides, m.
+   */
+  double centre[3];
+  /*
+   Unit vector from A to B.
+   */
+  double normal[3];
+  /*
+   With which B pulls A, without dashpots, N: along the normal in tension.
+   */
+  double force[3];
+  /*
+   Of B on A about the centre, without dashpots, N m.
+   */
+  double moment[3];
+  /*
+   Largest normal traction, Pa.
+   */
+  double tension;
+  /*
+   Stored energy, J.
+   */
+  double energy;
+  /*
+   Dissipated by fracture and friction, J.
+   */
+  double dissipated;
+  /*
+   Part of the stiffness that is lost: 0 whole, 1 broken.
+   */
+  double damage;
+  /*
+   Part of sliding in what gave way: 0 by opening, 1 by sliding.
+   */
+  double mode;
+  /*
+   When it was found broken, s; NaN if it is not.
+   */
+  double broken_at;
+} FemdemBond;
 
 /*
  A motion whatever touches, counted from where the wall or body is when it is given. What its kind has no use for is not read.
@@ -767,9 +880,12 @@ FemdemStatus femdem_batch_update(FemdemBatch batch,
                                  size_t load_count);
 
 /*
- Moves a wall. It counts from the next update on.
+ Puts a wall at a pose of the coordinates in which it was added; its velocity is that of their origin. Both count from the next
+ update on, and stay until the next call.
  */
-FemdemStatus femdem_batch_move_wall(FemdemBatch batch, uint32_t wall, const FemdemShift *shift);
+FemdemStatus femdem_batch_move_wall(FemdemBatch batch,
+                                    uint32_t wall,
+                                    const FemdemMotion *motion);
 
 /*
  The message of the last call of this thread that failed; empty if none has. At most 1,023 bytes of UTF-8, valid until the
@@ -858,6 +974,46 @@ FemdemStatus femdem_shape_triangles(FemdemShape shape,
                                     size_t vertex_count,
                                     uint32_t *triangles,
                                     size_t triangle_count);
+
+/*
+ Writes the default law of bonds: a mortar.
+ */
+FemdemStatus femdem_bond_law_default(FemdemBondLaw *law);
+
+/*
+ Bonds two bodies as they lie, without force, over a flat, convex polygon: its corners in order, in world coordinates, three
+ numbers each. Their contacts end; the bond alone acts between them until it has ended. It goes with its bodies. Steps must
+ be explicit.
+ */
+FemdemStatus femdem_world_add_bond(FemdemWorld world,
+                                   uint32_t body_a,
+                                   uint32_t body_b,
+                                   const double *corners,
+                                   size_t corner_count,
+                                   const FemdemBondLaw *law,
+                                   uint32_t *bond);
+
+/*
+ The same over the section that two balls or two convex polyhedra have between them which are at most `gap` m apart: of balls
+ a disc of `ratio` times the smaller radius, of polyhedra the common part of facing faces, shrunk by `ratio`. Refuses others,
+ and bodies that are bonded already.
+ */
+FemdemStatus femdem_world_add_bond_between(FemdemWorld world,
+                                           uint32_t body_a,
+                                           uint32_t body_b,
+                                           double gap,
+                                           double ratio,
+                                           const FemdemBondLaw *law,
+                                           uint32_t *bond);
+
+/*
+ Writes the number of bonds, and the bonds, ascending, if `room` is not 0: then it must suffice for all. Those that have ended
+ are among them.
+ */
+FemdemStatus femdem_world_bonds(FemdemWorld world,
+                                FemdemBond *bonds,
+                                size_t room,
+                                size_t *count);
 
 /*
  Adds a body of a density in kg/m^3. Its number is the lowest that is free.

@@ -111,6 +111,7 @@ public:
         check(femdem_batch_add_box(handle_, &inside, material, &sides));
         return sides;
     }
+    void move_wall(uint32_t wall, const FemdemMotion &motion) { check(femdem_batch_move_wall(handle_, wall, &motion)); }
     void update(const std::vector<FemdemMotion> &motions, double dt, std::vector<FemdemLoad> &loads) {
         loads.resize(motions.size());
         check(femdem_batch_update(handle_, motions.data(), motions.size(), dt, loads.data(), loads.size()));
@@ -122,6 +123,12 @@ public:
     }
     std::vector<FemdemContact> contacts() const { return all(femdem_batch_contacts, handle_); }
 };
+
+inline FemdemBondLaw default_bond_law() {
+    FemdemBondLaw law;
+    check(femdem_bond_law_default(&law));
+    return law;
+}
 
 inline FemdemWorldParameters default_parameters() {
     FemdemWorldParameters parameters;
@@ -150,6 +157,12 @@ public:
         check(femdem_world_add_box(handle_, &inside, material, &sides));
         return sides;
     }
+    /** Over the section that two bodies have between them; see femdem_world_add_bond for a polygon. */
+    uint32_t add_bond(uint32_t body_a, uint32_t body_b, double gap, double ratio, const FemdemBondLaw &law) {
+        uint32_t bond = 0;
+        check(femdem_world_add_bond_between(handle_, body_a, body_b, gap, ratio, &law, &bond));
+        return bond;
+    }
     void step(uint64_t steps) { check(femdem_world_step(handle_, steps)); }
     void step_until(double time) { check(femdem_world_step_until(handle_, time)); }
     FemdemWorldState state() const {
@@ -170,6 +183,7 @@ public:
     std::vector<uint32_t> bodies() const { return all(femdem_world_bodies, handle_); }
     std::vector<FemdemMotion> motions() const { return all(femdem_world_motions, handle_); }
     std::vector<FemdemContact> contacts() const { return all(femdem_world_contacts, handle_); }
+    std::vector<FemdemBond> bonds() const { return all(femdem_world_bonds, handle_); }
     std::vector<uint8_t> to_bytes() const { return all(femdem_world_to_bytes, handle_); }
 };
 

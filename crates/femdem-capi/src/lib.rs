@@ -89,7 +89,7 @@ pub use wall::FemdemSides;
 pub use world::*;
 
 /// Number of the interface: it rises with every change after which a program has to be compiled anew.
-pub const FEMDEM_ABI_VERSION: u32 = 1;
+pub const FEMDEM_ABI_VERSION: u32 = 2;
 
 /// The number of the interface of the library that is loaded: compare it with FEMDEM_ABI_VERSION of the header.
 #[unsafe(no_mangle)]

@@ -124,6 +124,19 @@ impl From<Pose> for FemdemPose {
     }
 }
 
+impl FemdemMotion {
+    /// The place, and the velocity and the angular velocity, checked.
+    pub(crate) fn checked(&self) -> Result<(Frame, [Vector3; 2]), Failure> {
+        let (frame, velocity) = (self.pose.frame()?, self.velocity.parts());
+        let speed: f64 = velocity.iter().map(Vector3::norm).sum();
+        if !speed.is_finite() {
+            let allowed = "finite in every component";
+            return Err(Failure::refused("velocity", speed, allowed));
+        }
+        Ok((frame, velocity))
+    }
+}
+
 impl FemdemVelocity {
     pub(crate) fn parts(&self) -> [Vector3; 2] {
         [self.linear.into(), self.angular.into()]

@@ -4,9 +4,11 @@
     reason = "also what tests share stops where it fails"
 )]
 
+mod bonds;
 mod common;
 mod fortran;
 mod header;
 mod layers;
 mod misuse;
+mod moving_walls;
 mod same_bits;

@@ -211,10 +211,7 @@ fn a_batch_gives_the_loads_of_its_pairs_and_walls() {
     let totals = got(|to| femdem_batch_totals(batch, to));
     assert!(totals.touching == 2 && totals.stable_step > 0.0 && totals.stable_step < 0.1);
 
-    let away = FemdemShift {
-        displacement: [0.0, 0.0, -1.0],
-        velocity: [0.0; 3],
-    };
+    let away = resting(at(0.0, 0.0, -1.0));
     ok(femdem_batch_move_wall(batch, floor, Some(&away)));
     assert_eq!(update(batch, &motions, 1e-4)[2], FemdemLoad::default());
     // A body goes, and its number with it until the next comes.

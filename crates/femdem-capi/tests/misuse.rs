@@ -368,12 +368,8 @@ fn numbers_that_name_nothing_are_told() {
     ] {
         fails(status, Refused, "there is no");
     }
-    let shift = FemdemShift {
-        displacement: [0.0; 3],
-        velocity: [0.0; 3],
-    };
     fails(
-        femdem_batch_move_wall(batch, 5, Some(&shift)),
+        femdem_batch_move_wall(batch, 5, Some(&resting(at(0.0, 0.0, 0.0)))),
         Refused,
         "no wall 5",
     );

@@ -182,3 +182,30 @@ fn walls_follow_their_frames() {
     assert!((c.volume / (4.0 * half * half * 1e-3) - 1.0).abs() < 1e-9);
     assert!((c.penetration() / 1e-3 - 1.0).abs() < 1e-6);
 }
+
+/// The way of a wall that turns is at least that of its points at the farthest side of a body, and hardly more; of one that moves
+/// along, it is its path, wherever bodies are.
+#[test]
+fn the_way_of_a_wall_reaches_as_far_as_bodies() {
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    let batch = batch(floor, "P5");
+    let bodies = [Motion::fixed(Frame {
+        position: Vector3::new(10.0, 0.0, 0.0),
+        ..Frame::identity()
+    })];
+    let still = Motion::fixed(Frame::identity());
+    let turned = Motion::fixed(Frame {
+        rotation: UnitQuaternion::from_scaled_axis(Vector3::y() * 0.1)
+            .to_rotation_matrix()
+            .into_inner(),
+        ..Frame::identity()
+    });
+    let chord = 2.0 * 10.5 * 0.05_f64.sin();
+    let way = batch.wall_way(&still, &turned, &bodies);
+    assert!(way >= chord && way < 1.2 * chord, "{way} {chord}");
+    let moved = Motion::fixed(Frame {
+        position: Vector3::new(0.0, 3.0, 4.0),
+        ..Frame::identity()
+    });
+    assert_eq!(batch.wall_way(&still, &moved, &bodies), 5.0);
+}

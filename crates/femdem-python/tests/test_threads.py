@@ -13,6 +13,14 @@ import pytest
 import femdem
 
 
+@pytest.fixture(autouse=True)
+def interruptible():
+    """A shell that starts the tests in its background has them ignore Ctrl-C, for which they would wait."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_other_threads_run_during_one_call_of_step(box_of_stones):
     """Another thread takes turns and then ends the call, which it can only while the lock is free."""
     begin, turns = threading.Event(), []

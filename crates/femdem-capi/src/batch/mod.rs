@@ -31,6 +31,8 @@ pub(crate) struct Batch {
     /// Of all numbers of bodies in the last update, and of walls.
     motions: Vec<Motion>,
     walls: Vec<Motion>,
+    /// Where the walls will be in the next; the travel of these means nothing.
+    next_walls: Vec<Motion>,
 }
 
 /// A body as the caller does not tell it anew in each step.
@@ -67,13 +69,7 @@ impl Body {
 
     /// The body as it moves now. Contacts see it in updates only, so that its way is from place to place.
     fn motion(&self, now: &FemdemMotion) -> Result<Motion, Failure> {
-        let frame = now.pose.frame()?;
-        let [velocity, angular_velocity] = now.velocity.parts();
-        let speed = velocity.norm() + angular_velocity.norm();
-        if !speed.is_finite() {
-            let allowed = "finite in every component";
-            return Err(Failure::refused("velocity", speed, allowed));
-        }
+        let (frame, [velocity, angular_velocity]) = now.checked()?;
         let axes = frame.rotation;
         let mut motion = Motion {
             frame,
@@ -84,13 +80,18 @@ impl Body {
         };
         if let Some(last) = &self.last {
             motion.travelled = last.travelled + motion.way_from(last, self.radius);
-            if !motion.travelled.is_finite() {
-                let allowed = "finite, in m, from update to update";
-                return Err(Failure::refused("way", motion.travelled, allowed));
-            }
         }
-        Ok(motion)
+        reached(motion)
     }
+}
+
+/// Refuses a place without a finite way to it.
+fn reached(motion: Motion) -> Result<Motion, Failure> {
+    if motion.travelled.is_finite() {
+        return Ok(motion);
+    }
+    let allowed = "finite, in m, from update to update";
+    Err(Failure::refused("way", motion.travelled, allowed))
 }
 
 /// A body of a mass in kg and an inertia about its centroid in kg m^2, at the origin.
@@ -108,6 +109,7 @@ impl Batch {
             bodies: Vec::new(),
             motions: Vec::new(),
             walls: Vec::new(),
+            next_walls: Vec::new(),
         }
     }
 
@@ -143,10 +145,11 @@ impl Batch {
         let id = self.batch.add_wall(wall);
         self.batch.set_wall_material(id, material)?;
         let still = Motion::fixed(Frame::identity());
-        if let Some(slot) = self.walls.get_mut(id as usize) {
-            *slot = still;
-        } else {
-            self.walls.push(still);
+        for walls in [&mut self.walls, &mut self.next_walls] {
+            match walls.get_mut(id as usize) {
+                Some(slot) => *slot = still,
+                None => walls.push(still),
+            }
         }
         Ok(id)
     }
@@ -168,12 +171,27 @@ impl Batch {
             }
         });
         let motions = motions.collect::<Result<Vec<_>, _>>()?;
-        let (batch, walls) = (&mut self.batch, &self.walls);
-        self.threads.run(|| batch.update(&motions, walls, dt))?;
+        let walls = self.moved_walls(&motions)?;
+        let batch = &mut self.batch;
+        self.threads.run(|| batch.update(&motions, &walls, dt))?;
         for (body, motion) in self.bodies.iter_mut().zip(&motions) {
             body.last = Some(*motion);
         }
-        self.motions = motions;
+        (self.motions, self.walls) = (motions, walls);
         Ok(())
+    }
+
+    /// Where the walls are now, while bodies have these motions.
+    fn moved_walls(&self, bodies: &[Motion]) -> Result<Vec<Motion>, Failure> {
+        let moved = |(id, (last, next)): (u32, (&Motion, &Motion))| {
+            if self.batch.wall(id).is_none() {
+                return Ok(*last);
+            }
+            let travelled = last.travelled + self.batch.wall_way(last, next, bodies);
+            let moved = reached(Motion { travelled, ..*next });
+            moved.map_err(|failure| failure.at("walls", id as usize))
+        };
+        let walls = self.walls.iter().zip(&self.next_walls);
+        (0..).zip(walls).map(moved).collect()
     }
 }

@@ -2,23 +2,12 @@
 
 use std::mem::MaybeUninit;
 
-use femdem_solve::contact::{ContactError, Frame, Motion};
-use femdem_solve::mesh::Vector3;
+use femdem_solve::contact::{ContactError, Motion};
 
 use super::Batch;
 use crate::border::{Failure, FemdemStatus, border, given, list, room};
 use crate::handles::FemdemBatch;
 use crate::plain::{FemdemLoad, FemdemMotion};
-
-/// Where a wall of a batch is.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FemdemShift {
-    /// From where it was added, m.
-    pub displacement: [f64; 3],
-    /// m/s.
-    pub velocity: [f64; 3],
-}
 
 /// Writes how many numbers of bodies and of walls have been in use: the lengths of the arrays of femdem_batch_update and
 /// femdem_batch_wall_loads. Either may be null.
@@ -75,46 +64,38 @@ pub unsafe extern "C" fn femdem_batch_update(
     })
 }
 
-/// Moves a wall. It counts from the next update on.
+/// Puts a wall at a pose of the coordinates in which it was added; its velocity is that of their origin. Both count from the next
+/// update on, and stay until the next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn femdem_batch_move_wall(
     batch: FemdemBatch,
     wall: u32,
-    shift: Option<&FemdemShift>,
+    motion: Option<&FemdemMotion>,
 ) -> FemdemStatus {
     border(|| {
-        let shift = given("shift", shift)?;
-        batch.with(|own| own.move_wall(wall, shift))
+        let (frame, [velocity, angular_velocity]) = given("motion", motion)?.checked()?;
+        let next = Motion {
+            velocity,
+            angular_velocity,
+            ..Motion::fixed(frame)
+        };
+        batch.with(|own| {
+            *own.wall(wall)? = next;
+            Ok(())
+        })
     })
 }
 
 impl Batch {
-    fn move_wall(&mut self, wall: u32, shift: &FemdemShift) -> Result<(), Failure> {
-        let [position, velocity] = [shift.displacement, shift.velocity].map(Vector3::from);
-        let length = position.norm() + velocity.norm();
-        if !length.is_finite() {
-            return Err(Failure::refused(
-                "shift",
-                length,
-                "finite in every component",
-            ));
-        }
+    /// Where a wall will be in the next update.
+    fn wall(&mut self, wall: u32) -> Result<&mut Motion, Failure> {
         let no_such = ContactError::NoSuch {
             what: "wall",
             index: wall as usize,
             count: self.batch.walls().count(),
         };
-        let found = self.walls.get_mut(wall as usize);
+        let found = self.next_walls.get_mut(wall as usize);
         let found = found.filter(|_| self.batch.wall(wall).is_some());
-        let motion = found.ok_or(no_such)?;
-        *motion = Motion {
-            velocity,
-            travelled: motion.travelled + (position - motion.frame.position).norm(),
-            ..Motion::fixed(Frame {
-                position,
-                ..Frame::identity()
-            })
-        };
-        Ok(())
+        found.ok_or_else(|| no_such.into())
     }
 }

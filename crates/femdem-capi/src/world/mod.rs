@@ -1,5 +1,6 @@
 //! Layer 3: bodies that femdem moves.
 
+mod bonds;
 mod build;
 mod drive;
 mod files;
@@ -8,6 +9,7 @@ mod parameters;
 mod query;
 mod step;
 
+pub use bonds::*;
 pub use build::*;
 pub use drive::*;
 pub use files::*;

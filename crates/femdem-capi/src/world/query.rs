@@ -260,7 +260,7 @@ pub unsafe extern "C" fn femdem_world_contacts(
 }
 
 /// Things that there are none of.
-fn no_such(what: &'static str, index: u32, count: usize) -> Failure {
+pub(super) fn no_such(what: &'static str, index: u32, count: usize) -> Failure {
     let index = index as usize;
     SolveError::NoSuch { what, index, count }.into()
 }

@@ -2,8 +2,13 @@
 
 use super::{BatchTotals, ContactBatch};
 use crate::contact::{BodyId, Load, Partner, RigidContact};
+use crate::motion::Motion;
 use crate::record::Contact;
 use femdem_mesh::Vector3;
+
+/// How far the points of a turning wall that bodies may meet are from its origin, over the farthest point of a body: bodies have
+/// skins.
+const FARTHER: f64 = 1.1;
 
 impl ContactBatch {
     /// Loads of the rigid bodies from all contacts, by number; those of sleeping bodies by rigid ones are from when they
@@ -41,6 +46,22 @@ impl ContactBatch {
         }
         self.bonds.add_load_of(body, &mut load);
         load
+    }
+
+    /// How far the points of a wall that rigid bodies may meet have moved at most between two of its motions, m: what a host adds
+    /// to its [`Motion::travelled`] when it moves the wall. A wall is unbounded: with a turn those points count that are as far
+    /// from its origin as bodies are with these motions, by number as in [`update`](Self::update).
+    pub fn wall_way(&self, from: &Motion, to: &Motion, bodies: &[Motion]) -> f64 {
+        let reach = if to.frame.rotation == from.frame.rotation {
+            0.0
+        } else {
+            let far = self.rigid_ids().filter_map(|id| {
+                let away = bodies.get(id as usize)?.frame.position - to.frame.position;
+                Some(away.norm() + self.shapes[self.body_shapes[id as usize] as usize].radius())
+            });
+            FARTHER * far.fold(0.0, f64::max)
+        };
+        to.way_from(from, reach)
     }
 
     /// The load of a wall, about its origin, from all its recorded contacts.

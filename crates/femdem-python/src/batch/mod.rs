@@ -19,10 +19,6 @@ use crate::error::{options, refused, wrong};
 use crate::shape::Form;
 use crate::threads::unlocked;
 
-/// How far the points of a turning wall that bodies may meet are from its origin, over the farthest point of a body: bodies have
-/// skins.
-const FARTHER: f64 = 1.1;
-
 /// What the motion of a body is made of.
 struct Body {
     form: Arc<Form>,
@@ -114,17 +110,7 @@ impl ContactBatch {
     /// The motions of the walls in the next update, where bodies have these motions.
     fn moved_walls(&self, bodies: &[Motion]) -> PyResult<Vec<Motion>> {
         let moved = |(id, (last, next)): (u32, (&Motion, &Motion))| {
-            let mut travelled = last.travelled;
-            if next.frame != last.frame {
-                let turned = next.frame.rotation != last.frame.rotation;
-                // A wall is unbounded: its travel is that of its points where bodies are.
-                let far = self.bodies.iter().zip(bodies).filter_map(|(body, motion)| {
-                    let away = motion.frame.position - next.frame.position;
-                    Some(away.norm() + body.as_ref()?.radius)
-                });
-                let reach = if turned { far.fold(0.0, f64::max) } else { 0.0 };
-                travelled += next.way_from(last, FARTHER * reach);
-            }
+            let travelled = last.travelled + self.batch.wall_way(last, next, bodies);
             reached("wall", id, Motion { travelled, ..*next })
         };
         let walls = self.walls.iter().zip(&self.next_walls);
