@@ -138,9 +138,11 @@ impl Broadphase {
         }
     }
 
-    /// The entry of a body.
+    /// The entry of a body, without its cell, which is that of this grid.
     pub(crate) fn entry(&self, body: usize) -> Option<Entry> {
-        self.entries.get(body).cloned().flatten()
+        let entry = self.entries.get(body).cloned().flatten();
+        let cell = Cell::default();
+        entry.map(|entry| Entry { cell, ..entry })
     }
 
     /// Takes all bodies out.

@@ -6,10 +6,12 @@ mod job;
 
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
+use femdem::solve::Halo;
 use femdem_mpi::MpiHalo;
 use job::Job;
 use mpi::Threading;
 use std::num::NonZeroUsize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -65,13 +67,14 @@ fn main() -> ExitCode {
         return ExitCode::FAILURE;
     };
     let mut halo = MpiHalo::new(&universe.world());
-    if let Err(error) = work(cli, &mut halo) {
-        eprintln!(
-            "femdem-mpi: rank {}: {error:#}",
-            femdem::solve::Halo::rank(&halo)
-        );
-        // The others wait for this one.
-        halo.abort(1);
+    // The others wait for a rank that fails.
+    match catch_unwind(AssertUnwindSafe(|| work(cli, &mut halo))) {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => {
+            eprintln!("femdem-mpi: rank {}: {error:#}", halo.rank());
+            halo.abort(1);
+        }
+        Err(_) => halo.abort(1),
     }
     ExitCode::SUCCESS
 }

@@ -64,7 +64,7 @@ pub(crate) struct Pending {
 }
 
 impl AddAssign for Flows {
-    /// The flows of another part of a world of rigid bodies that steps explicitly.
+    /// The flows of another part of a world that steps explicitly.
     fn add_assign(&mut self, other: Self) {
         for (sum, part) in [
             (&mut self.work_in, other.work_in),
@@ -73,12 +73,20 @@ impl AddAssign for Flows {
             (&mut self.damping_work, other.damping_work),
             (&mut self.friction_work, other.friction_work),
             (&mut self.medium_work, other.medium_work),
+            (&mut self.viscous_work, other.viscous_work),
+            (&mut self.plastic_work, other.plastic_work),
+            (&mut self.step_loss, other.step_loss),
+            (&mut self.bonds.glue, other.bonds.glue),
+            (&mut self.bonds.friction, other.bonds.friction),
+            (&mut self.bonds.released, other.bonds.released),
+            (&mut self.bonds.lent, other.bonds.lent),
             (&mut self.broken, other.broken),
             (&mut self.frozen, other.frozen),
             (&mut self.exchanged, other.exchanged),
         ] {
             *sum += part;
         }
+        self.cracks += other.cracks;
         for (sum, part) in self.last.iter_mut().zip(other.last) {
             *sum += part;
         }

@@ -31,15 +31,17 @@ fn pile(sleeping: bool) -> World {
     for wall in Wall::closed_box(low, high).unwrap() {
         walls.push(world.add_wall(wall, Drive::Fixed).unwrap());
     }
-    // One leans over for a while.
+    // They lean over for a while; after that nothing sleeps until all are at rest.
     let turn = Drive::Turn {
         axis: Vector3::y(),
         point: Vector3::zeros(),
         rate: 0.3,
         start: 0.02,
-        end: 0.1,
+        end: 0.04,
     };
-    world.drive_wall(walls[0], turn).unwrap();
+    if !sleeping {
+        world.drive_wall(walls[0], turn).unwrap();
+    }
     let mut shapes: Vec<u32> = ["A10", "P5", "P1"]
         .iter()
         .map(|name| {

@@ -40,6 +40,7 @@ impl Sums {
                     self.loads[a as usize].add(contact, 0);
                 }
                 Partner::Body(_) => {}
+                // A pair of a wall and a guest is not evaluated.
                 Partner::Wall(w) => self.walls[w as usize].add(contact, 0),
             }
             if awake[contact.b as usize] {

@@ -204,6 +204,9 @@ impl PairTable {
         } else {
             self.kinds[body] = kind;
         }
+        if let Some(guest) = self.guests.get_mut(body) {
+            *guest = false;
+        }
         self.changed = true;
     }
 

@@ -59,7 +59,7 @@ impl PairRecord {
 }
 
 impl ContactBatch {
-    /// Takes all bodies out, with their pairs. Walls stay, and so do the loads on them.
+    /// Takes all bodies out, with their pairs. Walls stay.
     ///
     /// # Errors
     /// [`ContactError::Parameter`] if there are deformable bodies or bonds: they cannot be shared out. Nothing is taken then.
@@ -95,13 +95,27 @@ impl ContactBatch {
         bodies: Vec<(BodyId, BodyRecord, bool)>,
         pairs: Vec<PairRecord>,
     ) -> Result<(), ContactError> {
-        let mut numbers = bodies.windows(2).map(|w| (w[0].0, w[1].0));
-        let ascending = numbers.all(|(a, b)| a < b);
-        let last = bodies.last().map_or(0, |(id, ..)| id + 1);
-        if !ascending || last > total {
-            return Err(no_such("number of a body", last as usize, total as usize));
+        let ascending = bodies.windows(2).all(|w| w[0].0 < w[1].0);
+        let last = bodies.last().map(|(id, ..)| *id);
+        if !ascending || last.is_some_and(|id| id >= total) {
+            let last = last.unwrap_or_default() as usize;
+            return Err(no_such("number of a body", last, total as usize));
         }
         let length = total as usize;
+        let mut kinds = vec![Kind::Convex; length];
+        for (id, record, _) in &bodies {
+            kinds[*id as usize] = self.known_shape(record.shape)?.kind();
+        }
+        let is_there = |id: BodyId| bodies.binary_search_by_key(&id, |(id, ..)| *id).is_ok();
+        for PairRecord(pair) in &pairs {
+            let a_is_there = match pair.a {
+                Partner::Body(a) => a < pair.b && is_there(a),
+                Partner::Wall(wall) => self.wall_slots.holds(wall),
+            };
+            if !a_is_there || !is_there(pair.b) {
+                return Err(no_such("body of a pair", pair.b as usize, bodies.len()));
+            }
+        }
         self.body_slots = bodies.iter().map(|(id, ..)| *id).collect();
         self.body_slots.extend_to(total);
         self.body_shapes = vec![0; length];
@@ -111,11 +125,9 @@ impl ContactBatch {
         self.awake_changed = true;
         self.sums.loads = vec![Load::default(); length];
         self.broadphase.clear();
-        let mut kinds = vec![Kind::Convex; length];
         let mut guests = vec![false; length];
         for (id, record, is_guest) in bodies {
             let i = id as usize;
-            kinds[i] = self.known_shape(record.shape)?.kind();
             guests[i] = is_guest;
             self.body_shapes[i] = record.shape;
             self.materials.of_bodies[i] = record.material;
@@ -125,18 +137,29 @@ impl ContactBatch {
                 self.broadphase.adopt(i, entry);
             }
         }
-        for PairRecord(pair) in &pairs {
-            let is_there = match pair.a {
-                Partner::Body(a) => a < pair.b && self.contains(a),
-                Partner::Wall(wall) => self.wall_slots.holds(wall),
-            };
-            if !is_there || !self.contains(pair.b) {
-                return Err(no_such("body of a pair", pair.b as usize, self.len()));
-            }
-        }
         let pairs = pairs.into_iter().map(|PairRecord(pair)| pair).collect();
         self.pairs.give(kinds, guests, pairs);
+        self.sum_wall_loads();
         Ok(())
+    }
+
+    /// The loads on walls anew, from the contacts of awake bodies that are no guests, in the order of an update.
+    fn sum_wall_loads(&mut self) {
+        self.sums.walls.fill(Load::default());
+        for body in (0..)
+            .zip(&self.awake)
+            .filter(|(_, awake)| **awake)
+            .map(|(body, _)| body)
+        {
+            if self.is_guest(body) {
+                continue;
+            }
+            for contact in self.pairs.contacts_of(body) {
+                if let Partner::Wall(wall) = contact.a {
+                    self.sums.walls[wall as usize].add(contact, 0);
+                }
+            }
+        }
     }
 
     /// Whether a body belongs to another batch.

@@ -61,6 +61,7 @@ impl World {
     /// # Errors
     /// As [`World::remove_body`].
     pub fn remove_wall(&mut self, wall: u32) -> Result<(), SolveError> {
+        self.not_shared("robbed of walls")?;
         let w = self.known_wall(wall)?;
         self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Wall(wall));
@@ -154,6 +155,7 @@ impl World {
         check("force", force, true, "finite, in N")?;
         check("torque", torque, true, "finite, in N m")?;
         self.restored()?;
+        self.not_shared("given loads")?;
         if self.batch.is_deformable(id) {
             check(
                 "load that turns with the body",

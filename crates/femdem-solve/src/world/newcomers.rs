@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 /// Bodies and walls whose overlaps have not been evaluated.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Newcomers {
+pub(in crate::world) struct Newcomers {
     pub added: Things,
     /// Put where they are by hand.
     pub moved: Things,
@@ -16,7 +16,7 @@ pub(super) struct Newcomers {
 
 /// Some bodies and walls.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Things {
+pub(in crate::world) struct Things {
     pub bodies: BTreeSet<BodyId>,
     pub walls: BTreeSet<u32>,
 }
@@ -51,6 +51,26 @@ impl Newcomers {
     /// Whether the contacts of something have not been evaluated since it came or was moved.
     pub fn has(&self, thing: Partner) -> bool {
         self.added.has(thing) || self.moved.has(thing)
+    }
+
+    /// With other numbers of the bodies, without those that have none.
+    pub fn renumbered(mut self, number: impl Fn(BodyId) -> Option<BodyId>) -> Self {
+        for things in [&mut self.added, &mut self.moved] {
+            let bodies = std::mem::take(&mut things.bodies);
+            things.bodies = bodies.into_iter().filter_map(&number).collect();
+        }
+        self
+    }
+
+    /// Adds those of another part of a world.
+    pub fn join(&mut self, other: Self) {
+        for (all, more) in [
+            (&mut self.added, other.added),
+            (&mut self.moved, other.moved),
+        ] {
+            all.bodies.extend(more.bodies);
+            all.walls.extend(more.walls);
+        }
     }
 
     /// Something was removed.

@@ -82,8 +82,9 @@ impl World {
         }
         if !self.loaded {
             self.meet_guests(halo)?;
+            self.evaluate_if_due()?;
+            self.tell_rest(halo)?;
         }
-        self.evaluate_if_due()?;
         let mut dt = self.choose_step(halo)?;
         self.ask(self.time + dt, host)?;
         if self.wake_for_drives(dt, halo)? {
@@ -424,7 +425,7 @@ impl World {
             )
         };
         SolveError::BlowUp {
-            body: i,
+            body: self.number_in_whole(i as u32).map_or(i, |n| n as usize),
             step: self.steps,
             time: self.time,
             position: body.position.into(),

@@ -37,6 +37,10 @@ impl World {
                 "its list of awake bodies is out of order".to_owned(),
             ));
         }
+        let share = self.share.as_deref();
+        if share.is_some_and(|share| !share.is_sound(self.bodies.len())) {
+            return Err(inconsistent("its share of a whole does not fit".to_owned()));
+        }
         let of_bodies = self.bodies.iter().filter_map(|b| b.driven.as_deref());
         for (guide, _) in of_bodies.chain(&self.wall_drives) {
             guide.validate()?;

@@ -83,7 +83,7 @@ impl Watch {
     }
 
     /// Records the deepest contact, and warns of the first deep one.
-    fn see_depths(&mut self, simulation: &Simulation) {
+    pub fn see_depths(&mut self, simulation: &Simulation) {
         let world = &simulation.world;
         let most = self.deepest.depth;
         let is_new = |volume: f64, area: f64| volume > most * area;

@@ -109,6 +109,18 @@ impl Cuts {
         Ok(cuts)
     }
 
+    /// Number of ranks.
+    pub fn ranks(&self) -> usize {
+        self.ranks
+    }
+
+    /// Whether what was read can be.
+    pub fn is_sound(&self) -> bool {
+        self.ranks > 0
+            && self.cuts.len() == self.ranks - 1
+            && self.cuts.iter().all(|cut| cut.axis < 3)
+    }
+
     /// The rank whose box a place is in.
     pub fn owner(&self, x: &Vector3) -> usize {
         let (mut index, mut first, mut ranks) = (0, 0, self.ranks);

@@ -1,6 +1,6 @@
 //! Bodies are given to the ranks in whose boxes they are, and lent to those near them.
 
-use super::parts::{Member, Parts};
+use super::parts::{Member, Parts, bodies_of};
 use super::{Cuts, Link, Share};
 use crate::body::Body;
 use crate::checkpoint;
@@ -8,6 +8,7 @@ use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::ledger::Flows;
 use crate::world::World;
+use crate::world::newcomers::Newcomers;
 use crate::world::time_step::LARGEST_MOVE;
 use femdem_contact::{BodyId, PairRecord};
 use femdem_mesh::Vector3;
@@ -40,18 +41,10 @@ impl World {
             self.flows = Flows::default();
             self.initial_energy = 0.0;
         }
-        let newcomers = &mut self.newcomers;
-        let all: Vec<Vec<BodyId>> = [&newcomers.added, &newcomers.moved]
-            .map(|things| things.bodies.iter().copied().collect())
-            .into();
         self.keep(cuts, total, parts.members, parts.pairs, halo)?;
         if let Some(share) = &self.share {
-            let local = |number: &BodyId| Some(share.numbers.binary_search(number).ok()? as BodyId);
-            let mut lists = all
-                .iter()
-                .map(|list| list.iter().filter_map(local).collect());
-            self.newcomers.added.bodies = lists.next().unwrap_or_default();
-            self.newcomers.moved.bodies = lists.next().unwrap_or_default();
+            let local = |number: BodyId| Some(share.numbers.binary_search(&number).ok()? as BodyId);
+            self.newcomers = std::mem::take(&mut self.newcomers).renumbered(local);
         }
         Ok(())
     }
@@ -78,22 +71,31 @@ impl World {
     /// All bodies in one world on the first rank, as if there were no others; the world here stays as it is.
     ///
     /// # Errors
-    /// What `halo` reports.
+    /// [`SolveError::Ranks`] if the world was not shared out over these ranks, and what `halo` reports.
     pub fn gather(&self, halo: &mut dyn Halo) -> Result<Option<Self>, SolveError> {
+        self.fits(halo)?;
         let Some(share) = self.share.as_deref() else {
             return Ok(Some(self.clone()));
         };
         let mut whole = self.clone();
         let (parts, _) = whole.take_apart()?;
-        let message = checkpoint::encode(&(parts, self.flows, self.initial_energy))?;
+        let newcomers = self
+            .newcomers
+            .clone()
+            .renumbered(|id| self.number_in_whole(id));
+        let books = (self.flows, self.initial_energy);
+        let message = checkpoint::encode(&(parts, books, newcomers))?;
         let received = halo.send(vec![(0, message)])?;
         if halo.rank() > 0 {
             return Ok(None);
         }
         let mut all = Parts::default();
         (whole.flows, whole.initial_energy) = (Flows::default(), 0.0);
+        whole.newcomers = Newcomers::default();
         for (_, bytes) in received {
-            let (parts, flows, initial): (Parts, Flows, f64) = checkpoint::decode(&bytes)?;
+            let (parts, (flows, initial), newcomers): (Parts, (Flows, f64), Newcomers) =
+                checkpoint::decode(&bytes)?;
+            whole.newcomers.join(newcomers);
             all.members.extend(parts.members);
             all.pairs.extend(parts.pairs);
             whole.flows += flows;
@@ -160,7 +162,7 @@ impl World {
         }
         for pair in parts.pairs {
             let mut to: Vec<usize> = Vec::with_capacity(2);
-            for number in Share::is_of(&pair) {
+            for number in bodies_of(&pair) {
                 let owner = owners.get(&number);
                 to.extend(owner.filter(|owner| !to.contains(owner)));
             }
@@ -219,7 +221,7 @@ impl World {
         };
         let pairs: Vec<PairRecord> = pairs
             .into_iter()
-            .filter(|pair| Share::is_of(pair).any(|number| is_own(&number)))
+            .filter(|pair| bodies_of(pair).any(|number| is_own(&number)))
             .collect();
         let numbers = self.put_together(kept, pairs, rank)?;
         let way = WAY - LARGEST_MOVE;

@@ -64,6 +64,8 @@ impl World {
         self.restored()?;
         self.not_shared("shared out again")?;
         self.can_be_shared()?;
+        // The step is bounded by all bodies.
+        self.renew_cap();
         self.agree(halo)?;
         self.deal_whole(halo)
     }
@@ -76,10 +78,7 @@ impl World {
     /// # Errors
     /// As [`step`](Self::step), and what `halo` reports.
     pub fn step_on(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
-        let rank = self.share.as_ref().map(|share| share.rank);
-        if rank.unwrap_or(0) != halo.rank() || (rank.is_none() && halo.size() > 1) {
-            return Err(ranks("the world was not shared out over these ranks"));
-        }
+        self.fits(halo)?;
         self.advance(&mut |_, _| None, halo)
     }
 
@@ -103,11 +102,12 @@ impl World {
     }
 
     /// The energy ledger of the whole, on every rank. Its sums are over ranks, and so their last digits depend on the number of
-    /// ranks; the motion does not.
+    /// ranks; [`Ledger::exchanged`] is larger for more ranks, since each counts what its own bodies exchange with others.
     ///
     /// # Errors
-    /// What `halo` reports.
+    /// [`SolveError::Ranks`] if the world was not shared out over these ranks, and what `halo` reports.
     pub fn ledger_on(&self, halo: &mut dyn Halo) -> Result<Ledger, SolveError> {
+        self.fits(halo)?;
         let own = crate::checkpoint::encode(&self.ledger())?;
         let others = (0..halo.size()).map(|rank| (rank, own.clone())).collect();
         let mut sum: Option<Ledger> = None;
@@ -118,7 +118,17 @@ impl World {
         sum.ok_or_else(|| ranks("no rank has sent its ledger"))
     }
 
-    /// Whether the bodies are in the whole as one of all ranks.
+    /// Refuses ranks over which the world was not shared out.
+    fn fits(&self, halo: &dyn Halo) -> Result<(), SolveError> {
+        let own = self.share.as_deref();
+        let [rank, size] = own.map_or([0, 1], |share| [share.rank, share.cuts.ranks()]);
+        if [rank, size] == [halo.rank(), halo.size()] {
+            return Ok(());
+        }
+        Err(ranks("the world was not shared out over these ranks"))
+    }
+
+    /// Refuses what a part of a whole cannot do alone.
     pub(super) fn not_shared(&self, what: &'static str) -> Result<(), SolveError> {
         if self.share.is_some() {
             return Err(SolveError::Ranks {
@@ -130,13 +140,19 @@ impl World {
 
     fn can_be_shared(&self) -> Result<(), SolveError> {
         let driven = self.live_bodies().any(|(_, body)| body.driven.is_some());
+        let by_host = self
+            .wall_drives
+            .iter()
+            .any(|(guide, _)| guide.drive().is_none());
         for (what, is_there) in [
+            ("walls that a host moves", by_host),
+            ("bonds", self.batch.bonds().next().is_some()),
             ("deformable bodies", self.deformables.is_some()),
             ("driven bodies", driven),
             ("a periodic cell", self.cell().is_some()),
             (
                 "implicit steps",
-                self.parameters.time_step.implicit.is_some(),
+                self.parameters.time_step.implicit.is_some() || self.behind > 0.0,
             ),
         ] {
             if is_there {
@@ -150,18 +166,15 @@ impl World {
 
     /// Checks that the ranks have the same program and the same world.
     fn agree(&self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let hash = crate::checkpoint::hash(self)?;
         let mine = [
             f64::from(crate::checkpoint::VERSION),
-            self.bodies.len() as f64,
-            self.shapes.len() as f64,
-            self.steps as f64,
-            self.time,
-            self.step_control.top(&self.parameters.time_step),
+            f64::from(hash as u32),
+            f64::from((hash >> 32) as u32),
         ];
-        let mut both: Vec<f64> = mine.iter().chain(&mine.map(|x| -x)).copied().collect();
-        halo.least(&mut both)?;
-        let agrees = mine.iter().zip(&both).all(|(mine, least)| mine == least)
-            && both[..6].iter().zip(&both[6..]).all(|(a, b)| *a == -b);
+        let mut least = [mine, mine.map(|x| -x)].concat();
+        halo.least(&mut least)?;
+        let agrees = (0..3).all(|k| least[k] == -least[3 + k]);
         if agrees {
             return Ok(());
         }

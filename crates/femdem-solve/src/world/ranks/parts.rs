@@ -131,13 +131,29 @@ impl World {
     }
 }
 
+/// The bodies of a pair.
+pub(super) fn bodies_of(pair: &PairRecord) -> impl Iterator<Item = BodyId> {
+    let (a, b) = pair.sides();
+    let a = match a {
+        Partner::Body(a) => Some(a),
+        Partner::Wall(_) => None,
+    };
+    a.into_iter().chain([b])
+}
+
 impl Share {
-    pub(super) fn is_of(pair: &PairRecord) -> impl Iterator<Item = BodyId> {
-        let (a, b) = pair.sides();
-        let a = match a {
-            Partner::Body(a) => Some(a),
-            Partner::Wall(_) => None,
-        };
-        a.into_iter().chain([b])
+    /// Whether what was read fits a world of so many bodies.
+    pub(in crate::world) fn is_sound(&self, bodies: usize) -> bool {
+        let lists = [self.numbers.len(), self.until.len(), self.holds.len()];
+        let linked = self
+            .links
+            .iter()
+            .flat_map(|link| link.lent.iter().chain(&link.guests));
+        let mut linked = linked.copied();
+        self.cuts.is_sound()
+            && self.rank < self.cuts.ranks()
+            && lists == [bodies; 3]
+            && self.links.iter().all(|link| link.rank < self.cuts.ranks())
+            && linked.all(|id| (id as usize) < bodies)
     }
 }

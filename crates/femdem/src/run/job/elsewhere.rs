@@ -48,7 +48,8 @@ impl Run {
         row.min(frame).min(self.scenario.duration)
     }
 
-    /// Goes on with a later state of the world: writes what is due, and ends the run if its time has come.
+    /// Goes on with a later state of the world: writes what is due, and ends the run if its time has come. Unlike
+    /// [`advance`](Self::advance) it does not notice bodies that have passed through thin ones.
     ///
     /// # Errors
     ///
@@ -58,7 +59,7 @@ impl Run {
         self.simulation.world = world;
         self.scenario.check_step(self.time_step())?;
         self.look();
-        self.watch.look(&self.simulation)?;
+        self.watch.see_depths(&self.simulation);
         self.close_books()?;
         self.write_due(folder)
     }
