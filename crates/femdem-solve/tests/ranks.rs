@@ -1,5 +1,7 @@
 //! Worlds shared out over ranks: the same bits as one world.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
 use crate::common::ranks::Threads;
 use femdem_contact::{ContactParameters, Wall};
 use femdem_mesh::catalogue::CatalogueShape;
