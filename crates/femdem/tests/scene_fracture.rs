@@ -81,7 +81,7 @@ fn what_cannot_break_is_refused_by_its_key() {
         ),
         (
             bar("tables = true", "cell.upper = [1, 1, 1]"),
-            ["deformable", "cell"],
+            ["may break", "periodic cell"],
         ),
         (
             bar("tensile = 4e6", "tensile = 0"),

@@ -106,6 +106,13 @@ impl World {
             .map_err(|failure| SolveError::from(failure).in_body(body, step, time))?;
         if let Some(fracture) = &spec.fracture {
             model.may_break(fracture)?;
+            // Its pieces may drift apart by more than a cell.
+            if self.cell().is_some() {
+                return Err(SolveError::CannotBreak {
+                    needs: "space that does not repeat itself",
+                    found: "a periodic cell".to_owned(),
+                });
+            }
         }
         let masses = model.model.masses();
         let energy = state.kinetic_energy(masses) + state.potential(masses, &gravity);
