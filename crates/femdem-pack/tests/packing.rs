@@ -412,7 +412,7 @@ fn what_the_verification_sets_in_motion_rests_in_the_medium() {
 /// The same if no body ever sleeps.
 #[test]
 fn a_pack_made_awake_rests_in_the_medium_too() {
-    for seed in [2, 9] {
+    for seed in [9, 11] {
         let mut spec = elastic(seed);
         spec.sleeping.enabled = false;
         let mut packing = Packing::new(spec).unwrap();
