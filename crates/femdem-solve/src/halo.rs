@@ -34,8 +34,8 @@ pub trait Halo {
     /// As [`least`](Self::least).
     fn sum(&mut self, counts: &mut [u64]) -> Result<(), SolveError>;
 
-    /// Sends a message to each of some ranks, ascending, and returns those that the same ranks send, in their order. Whom a rank
-    /// names names it.
+    /// Sends a message to each of some ranks, ascending, and returns those that the same ranks send, in their order. If one rank
+    /// names another, that one names it too.
     ///
     /// # Errors
     /// As [`least`](Self::least).

@@ -2,7 +2,7 @@
 
 use crate::world::CrackFlows;
 use serde::{Deserialize, Serialize};
-use std::ops::{Add, AddAssign};
+use std::ops::AddAssign;
 
 /// What bonds have exchanged, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -198,40 +198,6 @@ pub struct Ledger {
     /// Energy exchanged so far: the sum over the steps of |change of the kinetic energy|, |work of what is driven| and |work
     /// of external loads|.
     pub exchanged: f64,
-}
-
-impl Add for Ledger {
-    type Output = Self;
-
-    /// The ledger of two parts of a world.
-    fn add(self, other: Self) -> Self {
-        Self {
-            initial: self.initial + other.initial,
-            work_in: self.work_in + other.work_in,
-            by_hand: self.by_hand + other.by_hand,
-            load_work: self.load_work + other.load_work,
-            lent: self.lent + other.lent,
-            kinetic: self.kinetic + other.kinetic,
-            potential: self.potential + other.potential,
-            elastic: self.elastic + other.elastic,
-            strain: self.strain + other.strain,
-            friction_springs: self.friction_springs + other.friction_springs,
-            cracks: self.cracks + other.cracks,
-            bonds: self.bonds + other.bonds,
-            dissipated_friction: self.dissipated_friction + other.dissipated_friction,
-            dissipated_damping: self.dissipated_damping + other.dissipated_damping,
-            dissipated_medium: self.dissipated_medium + other.dissipated_medium,
-            dissipated_viscous: self.dissipated_viscous + other.dissipated_viscous,
-            dissipated_plastic: self.dissipated_plastic + other.dissipated_plastic,
-            dissipated_bridges: self.dissipated_bridges + other.dissipated_bridges,
-            dissipated_fracture: self.dissipated_fracture + other.dissipated_fracture,
-            dissipated_bonds: self.dissipated_bonds + other.dissipated_bonds,
-            dissipated_release: self.dissipated_release + other.dissipated_release,
-            dissipated_step: self.dissipated_step + other.dissipated_step,
-            frozen: self.frozen + other.frozen,
-            exchanged: self.exchanged + other.exchanged,
-        }
-    }
 }
 
 impl Ledger {

@@ -46,11 +46,6 @@ fn key([a, b]: [BodyId; 2]) -> (BodyId, BodyId) {
 }
 
 impl Bonds {
-    /// How many have not ended.
-    pub fn count(&self) -> usize {
-        self.of.values().map(Vec::len).sum::<usize>() / 2
-    }
-
     /// Whether a bond holds the two, the lower number first.
     pub fn hold(&self, pair: (BodyId, BodyId)) -> bool {
         !self.pairs.is_empty() && self.pairs.contains_key(&pair)

@@ -260,11 +260,6 @@ impl PairTable {
         self.kinds.contains(&Kind::Mesh) || self.mesh_walls.contains(&true)
     }
 
-    /// Whether a code is that of a body.
-    pub(super) fn is_body(&self, code: u32) -> bool {
-        code < WALL
-    }
-
     /// Whether a body belongs to another batch.
     pub fn is_guest(&self, body: BodyId) -> bool {
         self.guests.get(body as usize).is_some_and(|guest| *guest)

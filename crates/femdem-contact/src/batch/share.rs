@@ -11,6 +11,7 @@ use crate::contact::{BodyId, Load, Partner};
 use crate::error::{ContactError, check};
 use crate::laws::MaterialId;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// What a batch knows of a rigid body alone.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -67,7 +68,7 @@ impl ContactBatch {
         let allowed = "0 in a batch whose bodies are shared out";
         for (name, count) in [
             ("number of deformable bodies", self.deformable_count()),
-            ("number of bonds", self.bonds.count()),
+            ("number of bonds", self.bonds().count()),
         ] {
             check(name, count as f64, count == 0, allowed)?;
         }
@@ -146,14 +147,8 @@ impl ContactBatch {
     /// The loads on walls anew, from the contacts of awake bodies that are no guests, in the order of an update.
     fn sum_wall_loads(&mut self) {
         self.sums.walls.fill(Load::default());
-        for body in (0..)
-            .zip(&self.awake)
-            .filter(|(_, awake)| **awake)
-            .map(|(body, _)| body)
-        {
-            if self.is_guest(body) {
-                continue;
-            }
+        let awake = |body: &BodyId| self.awake[*body as usize] && !self.pairs.is_guest(*body);
+        for body in self.body_slots.iter().filter(awake) {
             for contact in self.pairs.contacts_of(body) {
                 if let Partner::Wall(wall) = contact.a {
                     self.sums.walls[wall as usize].add(contact, 0);
@@ -173,19 +168,15 @@ fn no_such(what: &'static str, index: usize, count: usize) -> ContactError {
 }
 
 impl PairTable {
-    /// Takes all pairs but those of two guests.
+    /// Takes all pairs but those of two guests, and of a guest with a wall.
     fn take(&mut self) -> Vec<Pair> {
-        let mut own: Vec<u32> = Vec::new();
-        for (i, list) in (0..).zip(&self.neighbours) {
-            let listed = |code: u32| self.is_body(code) && code < i;
-            let both = |code: u32| self.is_guest(i) && (!self.is_body(code) || self.is_guest(code));
-            let here = list.iter().filter(|n| !listed(n.code) && !both(n.code));
-            own.extend(here.map(|n| n.slot));
-        }
-        own.sort_unstable();
-        let mut next = own.into_iter().peekable();
+        let free: BTreeSet<u32> = self.free.drain(..).collect();
         let slots = (0..).zip(std::mem::take(&mut self.slots));
-        let taken = slots.filter(|(slot, _)| next.next_if_eq(slot).is_some());
-        taken.map(|(_, pair)| pair).collect()
+        let live = slots.filter(|(slot, _)| !free.contains(slot));
+        let is_own = |pair: &Pair| {
+            let own_a = matches!(pair.a, Partner::Body(a) if !self.is_guest(a));
+            own_a || !self.is_guest(pair.b)
+        };
+        live.map(|(_, pair)| pair).filter(is_own).collect()
     }
 }

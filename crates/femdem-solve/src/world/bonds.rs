@@ -46,7 +46,7 @@ impl World {
         law: BondLaw,
     ) -> Result<BondId, SolveError> {
         self.restored()?;
-        self.not_shared("given bonds")?;
+        self.not_shared("bonding bodies")?;
         check_explicit(self.parameters.time_step.implicit.is_some())?;
         let [a, b] = bodies;
         let own = |c: &&Contact| c.has_side(Partner::Body(a)) && c.has_side(Partner::Body(b));

@@ -97,7 +97,7 @@ impl World {
     ) -> Result<(), SolveError> {
         let laws = parameters.laws(others)?;
         self.restored()?;
-        self.not_shared("given other parameters")?;
+        self.not_shared("changing its parameters")?;
         self.parameters = parameters;
         self.batch.set_laws(laws);
         if let Some(deformables) = &mut self.deformables {
@@ -194,7 +194,7 @@ impl World {
             });
         };
         self.restored()?;
-        self.not_shared("given bodies")?;
+        self.not_shared("adding bodies")?;
         let contact = &self.batch.shapes()[spec.shape as usize];
         let mut body = Body::new(&spec, shape, contact.radius())?;
         let (shape, thinner) = (spec.shape, self.step_control.meet(contact));

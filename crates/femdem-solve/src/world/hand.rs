@@ -36,7 +36,7 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, and after [implicit](crate::ImplicitStep) steps, whose contacts are
     /// evaluated first, the errors of [`World::step`].
     pub fn remove_body(&mut self, id: BodyId) -> Result<(), SolveError> {
-        self.not_shared("robbed of bodies")?;
+        self.not_shared("removing bodies")?;
         self.known(id)?;
         self.evaluate_pending()?;
         let i = id as usize;
@@ -61,7 +61,7 @@ impl World {
     /// # Errors
     /// As [`World::remove_body`].
     pub fn remove_wall(&mut self, wall: u32) -> Result<(), SolveError> {
-        self.not_shared("robbed of walls")?;
+        self.not_shared("removing walls")?;
         let w = self.known_wall(wall)?;
         self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Wall(wall));
@@ -80,7 +80,7 @@ impl World {
     /// # Errors
     /// As [`World::remove_body`], and [`SolveError::Mesh`] for a pose that is none.
     pub fn set_pose(&mut self, id: BodyId, pose: Pose) -> Result<(), SolveError> {
-        self.not_shared("moved by hand")?;
+        self.not_shared("moving bodies by hand")?;
         let i = self.known_body(id)?;
         let pose = checked_pose(&pose)?;
         self.evaluate_pending()?;
@@ -120,7 +120,7 @@ impl World {
         velocity: Vector3,
         angular_velocity: Vector3,
     ) -> Result<(), SolveError> {
-        self.not_shared("moved by hand")?;
+        self.not_shared("moving bodies by hand")?;
         let i = self.known_body(id)?;
         self.restored()?;
         check_velocities(&velocity, &angular_velocity)?;
@@ -155,7 +155,7 @@ impl World {
         check("force", force, true, "finite, in N")?;
         check("torque", torque, true, "finite, in N m")?;
         self.restored()?;
-        self.not_shared("given loads")?;
+        self.not_shared("loading bodies")?;
         if self.batch.is_deformable(id) {
             check(
                 "load that turns with the body",

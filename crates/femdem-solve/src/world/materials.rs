@@ -91,7 +91,7 @@ impl World {
         change: impl FnOnce(&mut Self) -> Result<(), SolveError>,
     ) -> Result<(), SolveError> {
         self.restored()?;
-        self.not_shared("given other laws or materials")?;
+        self.not_shared("changing laws or materials")?;
         if self.steps == 0 && !self.loaded {
             return change(self);
         }

@@ -4,6 +4,7 @@ mod active;
 mod bonds;
 mod build;
 mod deformables;
+mod drift;
 mod guide;
 mod hand;
 mod hash;

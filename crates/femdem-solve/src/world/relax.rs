@@ -119,7 +119,7 @@ impl World {
             options.tolerance > 0.0,
             "positive and finite",
         )?;
-        self.not_shared("relaxed")?;
+        self.not_shared("a relaxation")?;
         self.refuse_bonds("bonds in a relaxation")?;
         self.cell().map_or(Ok(()), check_rests)?;
         let kept = self.parameters;

@@ -102,7 +102,7 @@ impl World {
         id: BodyId,
         guide: Option<Guide>,
     ) -> Result<(), SolveError> {
-        self.not_shared("given drives")?;
+        self.not_shared("driving bodies")?;
         let (i, time) = (self.known_body(id)?, self.time);
         self.restored()?;
         let gravity = self.parameters.gravity;

@@ -88,7 +88,7 @@ impl World {
         let laws = self.batch.laws().clone();
         let (time, step) = (self.time, self.steps);
         self.restored()?;
-        self.not_shared("given bodies")?;
+        self.not_shared("adding bodies")?;
         let models = self.deformables.as_deref().map_or(&[][..], |d| &d.models);
         let count = models.len();
         let Some(model) = models.get(spec.model as usize) else {

@@ -14,8 +14,9 @@ use femdem_contact::{BodyId, PairRecord};
 use femdem_mesh::Vector3;
 use std::collections::BTreeMap;
 
-/// How far a body may travel before all are dealt anew, over the largest radius, and what it may move within a step.
-const WAY: f64 = 0.5 + LARGEST_MOVE;
+/// How far a body may travel before all are dealt anew, over the largest radius; the last step adds at most
+/// [`LARGEST_MOVE`].
+const WAY: f64 = 0.5;
 
 /// Two bodies become candidates at a distance of at most this many times the sum of their radii: their skins, and what they have
 /// moved since they were looked up.
@@ -128,10 +129,16 @@ impl World {
 
     /// Within what distance of a box a body of some radius may meet one that was in it, until all are dealt anew, m.
     fn reach(&self) -> impl Fn(f64) -> f64 + use<> {
-        let radii = self.batch.shapes().iter().map(|shape| shape.radius());
-        let largest = radii.fold(0.0, f64::max);
+        let largest = self.largest_radius();
         let attraction = self.batch.laws().attraction_range();
-        move |radius| SKINS * (largest + radius) + attraction + 2.0 * WAY * largest
+        let moved = 2.0 * (WAY + LARGEST_MOVE) * largest;
+        move |radius| SKINS * (largest + radius) + attraction + moved
+    }
+
+    /// Of all shapes, m.
+    fn largest_radius(&self) -> f64 {
+        let radii = self.batch.shapes().iter().map(|shape| shape.radius());
+        radii.fold(0.0, f64::max)
     }
 
     /// Sends the bodies to their owners and to those near them, and the pairs to the owners of their bodies.
@@ -224,14 +231,8 @@ impl World {
             .filter(|pair| bodies_of(pair).any(|number| is_own(&number)))
             .collect();
         let numbers = self.put_together(kept, pairs, rank)?;
-        let way = WAY - LARGEST_MOVE;
-        let largest = self
-            .batch
-            .shapes()
-            .iter()
-            .map(|s| s.radius())
-            .fold(0.0, f64::max);
-        let until = self.bodies.iter().map(|b| b.travelled + way * largest);
+        let way = WAY * self.largest_radius();
+        let until = self.bodies.iter().map(|b| b.travelled + way);
         let links = links
             .into_iter()
             .map(|(rank, (lent, guests))| Link { rank, lent, guests });

@@ -14,7 +14,6 @@ mod swap;
 use super::World;
 use crate::error::SolveError;
 use crate::halo::Halo;
-use crate::ledger::Ledger;
 use cuts::Cuts;
 use femdem_contact::BodyId;
 use serde::{Deserialize, Serialize};
@@ -31,7 +30,7 @@ pub(super) struct Share {
     total: u32,
     /// The ranks that have guests of this one, or bodies that are guests here, ascending.
     links: Vec<Link>,
-    /// Travel of each own body at which all are dealt anew, m.
+    /// Travel of each body at which all are dealt anew if it is an own one, m.
     until: Vec<f64>,
     /// Whether a guest that sleeps is balanced.
     holds: Vec<bool>,
@@ -62,7 +61,7 @@ impl World {
     /// steps; if the worlds of the ranks differ, or their programs; and what `halo` reports.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         self.restored()?;
-        self.not_shared("shared out again")?;
+        self.not_shared("sharing it out again")?;
         self.can_be_shared()?;
         // The step is bounded by all bodies.
         self.renew_cap();
@@ -101,23 +100,6 @@ impl World {
         }
     }
 
-    /// The energy ledger of the whole, on every rank. Its sums are over ranks, and so their last digits depend on the number of
-    /// ranks; [`Ledger::exchanged`] is larger for more ranks, since each counts what its own bodies exchange with others.
-    ///
-    /// # Errors
-    /// [`SolveError::Ranks`] if the world was not shared out over these ranks, and what `halo` reports.
-    pub fn ledger_on(&self, halo: &mut dyn Halo) -> Result<Ledger, SolveError> {
-        self.fits(halo)?;
-        let own = crate::checkpoint::encode(&self.ledger())?;
-        let others = (0..halo.size()).map(|rank| (rank, own.clone())).collect();
-        let mut sum: Option<Ledger> = None;
-        for (_, bytes) in halo.send(others)? {
-            let part: Ledger = crate::checkpoint::decode(&bytes)?;
-            sum = Some(sum.map_or(part, |sum| sum + part));
-        }
-        sum.ok_or_else(|| ranks("no rank has sent its ledger"))
-    }
-
     /// Refuses ranks over which the world was not shared out.
     fn fits(&self, halo: &dyn Halo) -> Result<(), SolveError> {
         let own = self.share.as_deref();
@@ -132,7 +114,9 @@ impl World {
     pub(super) fn not_shared(&self, what: &'static str) -> Result<(), SolveError> {
         if self.share.is_some() {
             return Err(SolveError::Ranks {
-                why: format!("a world that is shared out cannot be {what}: gather it first"),
+                why: format!(
+                    "{what} is not possible in a world that is shared out: gather it first"
+                ),
             });
         }
         Ok(())

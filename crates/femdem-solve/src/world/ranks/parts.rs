@@ -97,12 +97,7 @@ impl World {
     pub(super) fn put_all(&mut self, total: u32, mut parts: Parts) -> Result<(), SolveError> {
         parts.members.sort_by_key(|member| member.number);
         self.bodies = vec![Body::vacant(); total as usize];
-        self.motions = vec![
-            self.bodies
-                .first()
-                .map_or_else(|| Body::vacant().motion(), Body::motion);
-            total as usize
-        ];
+        self.motions = vec![Body::vacant().motion(); total as usize];
         let mut records = Vec::with_capacity(parts.members.len());
         for member in parts.members {
             let id = member.number;
@@ -124,7 +119,7 @@ impl World {
     /// # Errors
     /// As [`share_out`](Self::share_out) for what cannot be shared.
     pub fn checksum_of_motion(&self) -> Result<u64, SolveError> {
-        self.not_shared("hashed")?;
+        self.not_shared("a checksum")?;
         let (mut parts, _) = self.clone().take_apart()?;
         parts.pairs.sort_by_key(PairRecord::sides);
         checkpoint::hash(&(self.time, self.steps, self.step_control, parts))
