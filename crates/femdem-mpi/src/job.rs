@@ -82,7 +82,7 @@ impl Job {
     }
 
     /// Steps to the end of the run, or so many steps, with a checkpoint after at most `every` seconds and at the end.
-    pub fn to_end(mut self, every: f64, steps: Option<u64>, halo: &mut MpiHalo) -> Result<()> {
+    pub fn go_on(mut self, every: f64, steps: Option<u64>, halo: &mut MpiHalo) -> Result<()> {
         let last = steps.map_or(u64::MAX, |steps| self.world.steps().saturating_add(steps));
         let (start, mut saved, mut told) = (Instant::now(), Instant::now(), Instant::now());
         let mut due = self.next_due(halo)?;

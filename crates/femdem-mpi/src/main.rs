@@ -94,5 +94,5 @@ fn work(cli: Cli, halo: &mut MpiHalo) -> Result<()> {
         Task::Run { scene, out, .. } => Job::begin(&scene, out, halo)?,
         Task::Resume { folder, .. } => Job::resume(&folder, halo)?,
     };
-    job.to_end(every, steps, halo)
+    job.go_on(every, steps, halo)
 }
