@@ -64,7 +64,15 @@ impl Scene {
         self.bodies.push(soft);
     }
 
+    /// All motions, by number.
+    fn motions(&self) -> Vec<Motion> {
+        let mut motions = vec![Motion::fixed(Frame::identity()); self.bodies.len()];
+        motions.extend(&self.rigid);
+        motions
+    }
+
     fn update(&mut self) -> Result<(), ContactError> {
+        let motions = self.motions();
         let mut nodes: Vec<NodalState> = (0..self.bodies.len())
             .map(|i| NodalState {
                 positions: &self.bodies[i].x,
@@ -72,8 +80,6 @@ impl Scene {
                 inverse_masses: &self.masses[i],
             })
             .collect();
-        let mut motions = vec![Motion::fixed(Frame::identity()); nodes.len()];
-        motions.extend(&self.rigid);
         nodes.resize(
             motions.len(),
             NodalState {
@@ -239,6 +245,15 @@ fn bodies_from_afar_are_found() {
     };
     let mut met = std::collections::BTreeSet::new();
     for step in 0..440 {
+        // A rigid body may be looked up again in an update of its own kind, long before the deformable ones are.
+        if step % 3 > 0 {
+            let motions = scene.motions();
+            scene.batch.update(&motions, &scene.walls, 0.0).unwrap();
+        }
+        if step % 3 == 1 {
+            scene.drift(0.02);
+            continue;
+        }
         scene.update().unwrap();
         let mut fresh = scene.clone();
         fresh.batch = start.clone();

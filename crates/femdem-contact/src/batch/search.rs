@@ -14,10 +14,11 @@ impl ContactBatch {
     /// ([`may_touch`](Self::may_touch)).
     pub(super) fn search(&mut self, view: Snapshot) -> Result<(), ContactError> {
         let Snapshot { bodies, walls, dt } = view;
+        self.check_sound(bodies)?;
         if std::mem::take(&mut self.awake_changed) {
             let awake = self.awake.iter().enumerate().filter(|x| *x.1);
             self.awake_list = awake.map(|(i, _)| i as BodyId).collect();
-            self.find_never_entered(bodies, walls)?;
+            self.find_never_entered(bodies, walls);
         }
         let mut walls_moved = false;
         for (w, motion) in walls.iter().enumerate() {
@@ -30,9 +31,6 @@ impl ContactBatch {
         for k in 0..self.awake_list.len() {
             let i = self.awake_list[k] as usize;
             let motion = &bodies[i];
-            if !motion.is_sound() {
-                return Err(not_finite(i, motion));
-            }
             let radius = self.shapes[self.body_shapes[i] as usize].radius();
             let speed = motion.velocity.norm() + motion.angular_velocity.norm() * radius;
             if self
@@ -41,6 +39,9 @@ impl ContactBatch {
             {
                 self.enter(i, motion, walls, &mut neighbours);
             }
+        }
+        if self.space.is_some() {
+            self.find_carried(bodies, walls);
         }
         if walls_moved {
             let ids: Vec<BodyId> = self.rigid_ids().collect();
@@ -69,24 +70,51 @@ impl ContactBatch {
         Ok(part.list_pairs(&self.broadphase, space, near))
     }
 
+    /// Refuses motions of awake bodies, and of those that were never entered, before anything is changed by them.
+    fn check_sound(&self, bodies: &[Motion]) -> Result<(), ContactError> {
+        let lost = |i: &usize| !bodies[*i].is_sound();
+        let found = if self.awake_changed {
+            let due = |i: &usize| self.awake[*i] || self.was_never_entered(*i);
+            (0..bodies.len()).filter(due).find(lost)
+        } else {
+            let mut awake = self.awake_list.iter().map(|&i| i as usize);
+            awake.find(lost)
+        };
+        found.map_or(Ok(()), |body| {
+            Err(ContactError::NotFinite {
+                body,
+                position: bodies[body].frame.position.into(),
+            })
+        })
+    }
+
+    fn was_never_entered(&self, i: usize) -> bool {
+        self.broadphase.is_out_of_date(i) && self.is_rigid(i as BodyId)
+    }
+
     /// Enters rigid bodies that fell asleep before their first update, or before bodies attract over another gap, so that others
     /// find them.
-    fn find_never_entered(
-        &mut self,
-        bodies: &[Motion],
-        walls: &[Motion],
-    ) -> Result<(), ContactError> {
+    fn find_never_entered(&mut self, bodies: &[Motion], walls: &[Motion]) {
         let mut neighbours = Vec::new();
         for (i, motion) in bodies.iter().enumerate() {
-            if self.awake[i] || !self.broadphase.is_out_of_date(i) || !self.is_rigid(i as BodyId) {
-                continue;
+            if !self.awake[i] && self.was_never_entered(i) {
+                self.enter(i, motion, walls, &mut neighbours);
             }
-            if !motion.is_sound() {
-                return Err(not_finite(i, motion));
-            }
-            self.enter(i, motion, walls, &mut neighbours);
         }
-        Ok(())
+    }
+
+    /// Enters sleeping bodies whose images the edges of the periodic cell have carried too far.
+    fn find_carried(&mut self, bodies: &[Motion], walls: &[Motion]) {
+        let mut neighbours = Vec::new();
+        for (i, motion) in bodies.iter().enumerate() {
+            let space = self.space.as_ref();
+            if !self.awake[i]
+                && self.is_rigid(i as BodyId)
+                && self.broadphase.is_expired(i, motion.travelled, space)
+            {
+                self.enter(i, motion, walls, &mut neighbours);
+            }
+        }
     }
 
     /// Enters a rigid body and finds its neighbours.
@@ -152,11 +180,4 @@ fn near_walls(
         clearance.is_some_and(|clearance| clearance < reach)
     });
     near.map(|(w, _)| w).collect()
-}
-
-fn not_finite(body: usize, motion: &Motion) -> ContactError {
-    ContactError::NotFinite {
-        body,
-        position: motion.frame.position.into(),
-    }
 }
