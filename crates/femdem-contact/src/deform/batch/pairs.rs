@@ -54,6 +54,22 @@ impl PairList {
         self.forget_search();
     }
 
+    /// Takes the pairs of a body off the list.
+    pub fn take_of(&mut self, body: BodyId) -> Vec<SoftPair> {
+        let is_own = |pair: &SoftPair| pair.deformables().any(|other| other == body);
+        let (own, rest) = std::mem::take(&mut self.list).into_iter().partition(is_own);
+        self.list = rest;
+        own
+    }
+
+    /// Adds pairs that are not on the list.
+    pub fn add(&mut self, pairs: impl IntoIterator<Item = SoftPair>) {
+        self.list.extend(pairs);
+        self.list.sort_by_key(SoftPair::key);
+        self.note_own();
+        self.forget_search();
+    }
+
     /// Something came or went: search in the next update.
     pub fn forget_search(&mut self) {
         self.expires = Default::default();
@@ -154,7 +170,11 @@ impl PairList {
             }
         }
         keys.sort_unstable();
-        self.keep(keys);
+        let edge = |i: BodyId| context.shapes[bodies[i as usize].shape as usize].edge();
+        self.keep(
+            keys,
+            |(a, b)| matches!(a, Side::Deformable(i) if edge(i) < edge(b)),
+        );
         let [of_soft, of_rigid, of_walls] = skins;
         let until = |(now, skin): (f64, f64)| now + skin;
         let soft = bodies.iter().map(|b| b.travelled);
@@ -166,14 +186,16 @@ impl PairList {
         Ok(true)
     }
 
-    /// Replaces the list by the pairs `keys`, which are sorted; pairs that stay keep their data.
-    fn keep(&mut self, keys: Vec<(Side, u32)>) {
+    /// Replaces the list by the pairs `keys`, which are sorted; pairs that stay keep their data. `swaps` says of which of the others B
+    /// comes first.
+    fn keep(&mut self, keys: Vec<(Side, u32)>, swaps: impl Fn((Side, u32)) -> bool) {
         let mut old = std::mem::take(&mut self.list).into_iter().peekable();
         self.list.reserve(keys.len());
         for key in keys {
             while old.next_if(|p| p.key() < key).is_some() {}
             let kept = old.next_if(|p| p.key() == key);
-            self.list.push(kept.unwrap_or_else(|| SoftPair::new(key)));
+            self.list
+                .push(kept.unwrap_or_else(|| SoftPair::new(key, swaps(key))));
         }
         self.note_own();
     }
