@@ -432,15 +432,18 @@ fn the_pieces_of_a_thrown_cube_go_on_as_bodies() {
     let mut restarted = dropped();
     let mut partings = 0;
     let mut last = 0;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
+    let pool = pool.unwrap();
     // Some steps beyond the third time.
     while partings < 3 || world.steps() < last + 200 {
         assert!(world.steps() < 3000, "{partings}");
         world.step().unwrap();
-        restarted.step().unwrap();
+        pool.install(|| restarted.step()).unwrap();
         // Facets come to be spent at every twentieth step.
         let before = (world.steps() % 20 == 0).then(|| world.clone());
         let parted = world.part_fragments().unwrap();
-        assert_eq!(restarted.part_fragments().unwrap(), parted);
+        let again = pool.install(|| restarted.part_fragments());
+        assert_eq!(again.unwrap(), parted);
         if !parted.is_empty() {
             partings += 1;
             last = world.steps();
