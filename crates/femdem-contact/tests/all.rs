@@ -12,6 +12,7 @@ mod deform_batch;
 mod deform_friction;
 mod deform_gradient;
 mod deform_itself;
+mod deform_parts;
 mod deform_skins;
 mod deform_walls;
 mod densest_lattices;

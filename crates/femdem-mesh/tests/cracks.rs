@@ -182,3 +182,68 @@ proptest! {
         }
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// What hangs together by nodes is parted into meshes of their own, which share what they shared, and crack on as the whole
+    /// does.
+    #[test]
+    fn parts_of_a_cracked_mesh_crack_on_as_the_whole(
+        chosen in prop::collection::vec(any::<u16>(), 100..400),
+        more in prop::collection::vec(any::<u16>(), 0..60),
+    ) {
+        let mut whole = CrackedMesh::new(&block([3, 2, 2]));
+        let count = whole.facets().all().len() as u32;
+        let facet = |x: &u16| u32::from(*x) % count;
+        whole.cut(&chosen.iter().map(facet).collect::<Vec<_>>()).unwrap();
+        let later: BTreeSet<u32> = more.iter().map(facet).collect();
+        let hanging = whole.hanging(&[]);
+        let mut cut_on = whole.clone();
+        cut_on.cut(&later.iter().copied().collect::<Vec<_>>()).unwrap();
+        let mut facets = 0;
+        for number in 0..=hanging.iter().copied().max().unwrap() {
+            let own = (0_u32..).zip(&hanging).filter(|(_, part)| **part == number);
+            let tets: Vec<u32> = own.map(|(t, _)| t).collect();
+            let found = whole.part(&tets).unwrap();
+            let mut part = found.mesh;
+            facets += found.facets.len();
+            for (own, t) in part.tets().iter().zip(&tets) {
+                prop_assert_eq!(own.map(|node| found.nodes[node as usize]), whole.tets()[*t as usize]);
+            }
+            // Points of the part are nodes of it, and one each of the whole's.
+            for (node, point) in (0_u32..).zip(part.points()) {
+                prop_assert!(part.points()[*point as usize] == *point && *point <= node);
+                let of = |i: u32| whole.points()[found.nodes[i as usize] as usize];
+                prop_assert_eq!(of(node), of(*point));
+            }
+            let closed: Vec<[u32; 4]> = part.whole_tets().collect();
+            for ((own, f), g) in part.facets().all().iter().zip(&found.facets).zip(0_u32..) {
+                let other = whole.facets().all()[*f as usize];
+                prop_assert_eq!(own.tets.map(|t| tets[t as usize]), other.tets);
+                prop_assert_eq!(part.is_cut()[g as usize], whole.is_cut()[*f as usize]);
+                let sides = part.sides(g).unwrap();
+                let named = sides.map(|side| side.map(|node| found.nodes[node as usize]));
+                prop_assert_eq!(Some(named), whole.sides(*f));
+            }
+            let uncut = part.cut_along(&[]).unwrap();
+            prop_assert_eq!(uncut.tets(), &closed[..]);
+            let on = |(f, _): &(&u32, u32)| later.contains(f);
+            let mapped: Vec<u32> = found.facets.iter().zip(0_u32..).filter(on).map(|(_, g)| g).collect();
+            part.cut(&mapped).unwrap();
+            let of_part = shared(&part);
+            let of_whole = shared(&cut_on);
+            for (own, t) in of_part.iter().zip(&tets) {
+                let named = own.map(|(t, place)| (tets[t as usize], place));
+                prop_assert_eq!(named, of_whole[*t as usize]);
+            }
+        }
+        // Facets between parts are cut.
+        let between = whole.facets().all().iter().filter(|f| {
+            let [a, b] = f.tets.map(|t| hanging[t as usize]);
+            a != b
+        });
+        prop_assert_eq!(between.count(), count as usize - facets);
+        prop_assert!(whole.part(&[]).is_err() && whole.part(&[1, 0]).is_err());
+    }
+}

@@ -135,12 +135,12 @@ def test_a_bar_that_is_pulled_breaks_at_its_strength():
     facts = world.crack_facts(bar)
     assert facts["process_zone"] == pytest.approx(0.1) and facts["element_height"] < facts["largest_height"]
     elements = len(world.cells(bar)[0])
-    assert world.fragments(bar).tolist() == [0] * elements and len(world.cracks(bar)["facet"]) == 0
+    assert world.fragments(bar).tolist() == [0] * elements and len(world.cracks(bar)["elements"]) == 0
     world.step(until=0.0042)
     cracks = world.cracks(bar)
     # The strain f/E at the strength.
     assert cracks["birth"].min() == pytest.approx(1e-3 * 0.1 / 0.1, rel=0.1)
-    assert cracks["corners"].shape == (len(cracks["facet"]), 3, 3) and not cracks["sheared"].all()
+    assert cracks["corners"].shape == (len(cracks["elements"]), 3, 3) and not cracks["sheared"].all()
     assert np.isfinite(cracks["broken_at"]).any() and len(set(world.fragments(bar))) >= 2
     # The energy of fracture over one section at least.
     assert cracks["dissipated"].sum() > 0.8 * 100 * 0.02**2
@@ -149,6 +149,11 @@ def test_a_bar_that_is_pulled_breaks_at_its_strength():
     assert far.any() and velocities[far, 0] == pytest.approx(0.1, rel=0.5)
     world.release(bar)
     world.step(1)
+    # Its halves go on as bodies.
+    ((body, others),) = world.part_fragments()
+    assert body == bar and len(others) >= 1 and world.part_fragments() == []
+    assert sum(len(world.cells(i)[0]) for i in [body, *others]) == elements
+    world.step(10)
 
 
 def test_space_repeats_itself():

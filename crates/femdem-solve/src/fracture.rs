@@ -8,6 +8,17 @@ use serde::{Deserialize, Serialize};
 /// Largest part of its energy that a crack may be lent at its birth.
 pub(crate) const LOAN: f64 = 0.1;
 
+/// What becomes of the parts into which a body has fallen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fragments {
+    /// Each becomes a body when the host calls [`World::part_fragments`](crate::World::part_fragments).
+    #[default]
+    Bodies,
+    /// They stay pieces of one body.
+    Pieces,
+}
+
 /// The strength of a material, the energy that cracks in it take, and how they are followed. A body whose
 /// [`DeformableSpec`](crate::DeformableSpec) has one may break.
 ///
@@ -46,6 +57,8 @@ pub struct Fracture {
     /// Whether the mesh may be coarser than the [process zone](Self::process_zone) allows: cracks then take more energy than
     /// given.
     pub coarse: bool,
+    /// What becomes of the parts into which it falls.
+    pub fragments: Fragments,
 }
 
 impl Fracture {
@@ -61,6 +74,7 @@ impl Fracture {
             every: 5,
             stiffness: 2.0,
             coarse: false,
+            fragments: Fragments::default(),
         }
     }
 

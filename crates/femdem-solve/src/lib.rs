@@ -1,11 +1,11 @@
 //! Rigid and deformable bodies in motion and at rest: the step, its size, the active set, the energy ledger and
 //! checkpoints.
 //!
-//! **Use it** to follow bodies of any shape that fall, collide, deform, slide and come to rest between walls
-//! that may move, with the energy of the whole run accounted for. **Do not use it** for bodies that break or
-//! are joined, for steps longer than the stability limit of contacts and elements (the scheme is explicit,
-//! except with [`ImplicitStep`]), or to fill containers (femdem-pack has the protocols). A code with its own
-//! integrator needs only femdem-contact; single deformable bodies without contact are in femdem-fem.
+//! **Use it** to follow bodies of any shape that fall, collide, deform, slide, break into others and come to rest between
+//! walls that may move, with the energy of the whole run accounted for. **Do not use it** for steps longer than the
+//! stability limit of contacts and elements (the scheme is explicit, except with [`ImplicitStep`]), or to fill
+//! containers (femdem-pack has the protocols). A code with its own integrator needs only femdem-contact; single
+//! deformable bodies without contact are in femdem-fem.
 //!
 //! ```
 //! use femdem_contact::Wall;
@@ -197,7 +197,7 @@ pub use body::{BodySpec, Shape, ShapeId};
 pub use clock::processor_time;
 pub use error::SolveError;
 pub use femdem_fem::{Drive, Driven};
-pub use fracture::Fracture;
+pub use fracture::{Fracture, Fragments};
 pub use halo::{Alone, Halo};
 pub use ledger::Ledger;
 pub use parameters::{
@@ -205,6 +205,6 @@ pub use parameters::{
 };
 pub use servo::{Resistance, Servo};
 pub use world::{
-    ContactStiffness, Counters, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId, Residuals,
-    Stability, World, WorldRelaxation, WorldRelaxed,
+    ContactStiffness, Counters, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId, Parting,
+    Residuals, Stability, World, WorldRelaxation, WorldRelaxed,
 };

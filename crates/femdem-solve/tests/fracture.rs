@@ -4,7 +4,7 @@
 
 use femdem_contact::Wall;
 use femdem_fem::element::Element;
-use femdem_fem::fracture::Strength;
+use femdem_fem::fracture::{Strength, Weibull};
 use femdem_fem::material::NeoHookean;
 use femdem_fem::{Boundary, DeformableModel, Drive, MaterialRegion, Selection};
 use femdem_mesh::{Point3, Pose, TetMesh, Vector3};
@@ -316,4 +316,149 @@ fn what_cannot_break_is_refused_by_name() {
         "{slippery}"
     );
     assert_eq!(world.deformable_count(), 0);
+}
+
+/// Mass, momentum and angular momentum about the origin of all bodies, and their energies in motion, strain and cracks.
+fn sums(world: &World) -> (f64, [Vector3; 2], [f64; 3]) {
+    let (mut mass, mut momenta, mut energies) = (0.0, [Vector3::zeros(); 2], [0.0; 3]);
+    for body in world.deformables() {
+        mass += body.mass();
+        momenta[0] += body.momentum();
+        momenta[1] += body.angular_momentum(&Vector3::zeros());
+        energies[0] += body.kinetic_energy();
+        energies[1] += body.internal().energy;
+        energies[2] += body.cracks().map_or(0.0, |cracks| cracks.stored());
+    }
+    (mass, momenta, energies)
+}
+
+/// Whether what was before is now, to round-off.
+fn assert_same(before: &World, after: &World) {
+    let ((m, p, e), (n, q, f)) = (sums(before), sums(after));
+    assert!((m / n - 1.0).abs() < 1e-13, "{m} {n}");
+    let speed = (2.0 * e[0] / m).sqrt();
+    let near = |x: &Vector3, y: &Vector3, size: f64| (x - y).norm() < 1e-12 * size;
+    assert!(near(&p[0], &q[0], m * speed), "{p:?} {q:?}");
+    assert!(near(&p[1], &q[1], 0.1 * m * speed), "{p:?} {q:?}");
+    let all: f64 = e.iter().sum();
+    for (x, y) in e.iter().zip(f) {
+        assert!((x - y).abs() < 1e-10 * all, "{e:?} {f:?}");
+    }
+    let (a, b) = (before.ledger(), after.ledger());
+    assert!((a.error() - b.error()).abs() < 1e-10 * all, "{a:?} {b:?}");
+    assert!((a.elastic - b.elastic).abs() < 1e-10 * all);
+}
+
+/// A bar that is pulled apart is two bodies, each with one of the ends and what holds it, and with the strengths that it had.
+#[test]
+fn halves_of_a_bar_fly_apart_as_two_bodies() {
+    let fracture = Fracture {
+        scatter: Some(Weibull::new(20.0, 1e-9, 7).unwrap()),
+        ..rock([20.0, 100.0])
+    };
+    let mut world = bar([12, 3, 3], 0.5, Some(fracture));
+    let tets = world.deformable(0).unwrap().model().mesh().tets().len();
+    let before = loop {
+        world.step().unwrap();
+        let before = world.clone();
+        let partings = world.part_fragments().unwrap();
+        if !partings.is_empty() {
+            assert!(partings[0].body == 0 && !partings[0].fragments.is_empty());
+            break before;
+        }
+        assert!(world.time() < 1e-3);
+    };
+    assert_same(&before, &world);
+    let whole = before.deformable(0).unwrap();
+    let stresses = whole.stresses().unwrap();
+    let mut volumes: Vec<f64> = Vec::new();
+    let mut spent = 0;
+    for (body, id) in world.deformables().zip(0..) {
+        let cracks = body.cracks().unwrap();
+        volumes.push(body.model().volumes().iter().sum());
+        // Its stresses are those that were there.
+        for stress in body.stresses().unwrap() {
+            let same = |other: &femdem_fem::ElementStress| stress.cauchy == other.cauchy;
+            assert!(stresses.iter().any(same));
+        }
+        assert_eq!(cracks.points().len(), {
+            let points = cracks
+                .mesh()
+                .map(|mesh| mesh.points().iter().max().unwrap() + 1);
+            points.map_or(body.positions().len(), |count| count as usize)
+        });
+        spent += cracks
+            .spent()
+            .iter()
+            .filter(|f| f.tets[0].is_some())
+            .count();
+        assert_eq!(body.name(), "bar");
+        let touched = world.contacts_of(id);
+        assert!(touched.iter().all(|contact| contact.normal_force >= 0.0));
+    }
+    assert_eq!(spent, whole.cracks().unwrap().spent().len());
+    assert!(volumes.iter().all(|volume| *volume <= volumes[0]));
+    let count: usize = world.deformables().map(|b| b.model().volumes().len()).sum();
+    assert_eq!(count, tets);
+    // Each end is held as it was.
+    let held: Vec<usize> = world
+        .deformables()
+        .map(|b| b.boundary().held().count())
+        .collect();
+    assert_eq!(held.iter().sum::<usize>(), whole.boundary().held().count());
+    assert_eq!(held.iter().filter(|count| **count > 0).count(), 2);
+    for _ in 0..300 {
+        world.step().unwrap();
+        world.part_fragments().unwrap();
+    }
+    let speeds: Vec<f64> = world
+        .deformables()
+        .filter(|body| body.boundary().held().count() > 0)
+        .map(|body| body.momentum().x / body.mass())
+        .collect();
+    assert!(speeds[0] * speeds[1] < 0.0, "{speeds:?}");
+    assert!(
+        world.ledger().error_relative().abs() < 1e-3,
+        "{:?}",
+        world.ledger()
+    );
+}
+
+/// A cube thrown on the floor becomes bodies that break on, with the same bits through checkpoints right after partings and with
+/// threads; at each of them nothing is lost or gained.
+#[test]
+fn the_pieces_of_a_thrown_cube_go_on_as_bodies() {
+    let mut world = dropped();
+    let mut restarted = dropped();
+    let mut partings = 0;
+    let mut last = 0;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
+    let pool = pool.unwrap();
+    // Some steps beyond the third time.
+    while partings < 3 || world.steps() < last + 200 {
+        assert!(world.steps() < 3000, "{partings}");
+        world.step().unwrap();
+        pool.install(|| restarted.step()).unwrap();
+        // Facets come to be spent at every twentieth step.
+        let before = (world.steps() % 20 == 0).then(|| world.clone());
+        let parted = world.part_fragments().unwrap();
+        let again = pool.install(|| restarted.part_fragments());
+        assert_eq!(again.unwrap(), parted);
+        if !parted.is_empty() {
+            partings += 1;
+            last = world.steps();
+            assert_same(&before.unwrap(), &world);
+            let bytes = restarted.to_bytes().unwrap();
+            restarted = World::from_bytes(&bytes).unwrap();
+        }
+    }
+    let ledger = world.ledger();
+    println!(
+        "bodies {} at step {last}, error {:.1e}",
+        world.deformable_count(),
+        ledger.error_relative()
+    );
+    assert!(world.deformable_count() > 3);
+    assert!(ledger.error_relative().abs() < 2e-3, "{ledger:?}");
+    assert_eq!(world.to_bytes().unwrap(), restarted.to_bytes().unwrap());
 }

@@ -2,8 +2,8 @@
 //! This crate re-exports the other libraries and contains the `femdem` program.
 //!
 //! **Use it** to pack rigid bodies under gravity with friction, to measure and draw packs, to let rigid and
-//! deformable bodies collide, slide and squeeze each other, or to use its parts in a simulation of your own.
-//! **Do not use it** where bodies break, where a fluid matters, or for spheres alone, for which lighter codes exist.
+//! deformable bodies collide, slide, squeeze each other and break, or to use its parts in a simulation of your own.
+//! **Do not use it** where a fluid matters, or for spheres alone, for which lighter codes exist.
 //!
 //! ```
 //! use femdem::mesh::catalogue::{CatalogueShape, Solid};

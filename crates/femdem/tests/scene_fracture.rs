@@ -203,7 +203,11 @@ fn column((header, rows): &(Vec<String>, Vec<Vec<f64>>), name: &str) -> Vec<f64>
 fn a_bar_pulled_apart_is_in_all_results_in_pieces() {
     let folder = tempdir().unwrap();
     let path = folder.path();
-    let mut job = Run::new(Scenario::from_toml(BAR).unwrap()).unwrap();
+    let pieces = bar(
+        "energy = [20, 100]",
+        "energy = [20, 100]\nfragments = \"pieces\"",
+    );
+    let mut job = Run::new(Scenario::from_toml(&pieces).unwrap()).unwrap();
     job.advance(path, u64::MAX).unwrap();
     let summary = job.finish(path, &Usage::default()).unwrap();
     let found = summary.fracture.unwrap();
@@ -293,6 +297,85 @@ fn a_bar_pulled_apart_is_in_all_results_in_pieces() {
     let told = job.fracture(path).unwrap().unwrap();
     assert_eq!(told.fragmentation.unwrap().pieces, found.fragments);
     assert!((told.dissipated.last().unwrap()[1] - all).abs() < 1e-12);
+}
+
+/// Fragments are bodies of the run, of which all results know from which body they are. Supports hold what is left to them, and
+/// runs go on, and begin, with what is there.
+#[test]
+fn fragments_of_a_bar_are_bodies_of_the_run() {
+    let folder = tempdir().unwrap();
+    let [whole, parts, next] = ["whole", "parts", "next"].map(|name| folder.path().join(name));
+    for path in [&whole, &parts, &next] {
+        fs::create_dir(path).unwrap();
+    }
+    let scene = Scenario::from_toml(&bar("duration = 1e-4", "duration = 2e-4")).unwrap();
+    let mut job = Run::new(scene.clone()).unwrap();
+    job.advance(&whole, u64::MAX).unwrap();
+    let summary = job.finish(&whole, &Usage::default()).unwrap();
+    let found = summary.fracture.as_ref().unwrap();
+    let bodies = &summary.bodies;
+    assert!(found.bodies == 1 && bodies.len() >= 2, "{summary}");
+    assert!(bodies.iter().all(|body| body.behaviour == "breakable"));
+    assert!(bodies[0].name == "bar" && bodies[1].name == "bar fragment 1");
+    let mass: f64 = bodies.iter().map(|body| body.mass).sum();
+    assert!((mass / (2.4e-5 * 2200.0) - 1.0).abs() < 1e-12);
+    assert!(
+        summary.energy.ledger_error_relative.abs() < 0.01,
+        "{summary}"
+    );
+    let fragments = table(&whole.join("fragments.csv"));
+    assert_eq!(fragments.1.len(), found.fragments);
+    assert!(column(&fragments, "body").iter().all(|body| *body == 0.0));
+    let areas = job.simulation().crack_facets().len();
+    assert!(areas > 0 && found.broken_area >= 4e-4);
+    // Both ends are held by fragments, with opposite forces.
+    let history = table(&whole.join("history.csv"));
+    let [low, high] = ["low", "high"].map(|end| column(&history, &format!("rz bar {end}")));
+    let largest = low
+        .iter()
+        .fold(0.0_f64, |most, force| most.max(force.abs()));
+    assert!(largest > 1000.0, "{low:?}");
+    for (low, high) in low.iter().zip(&high) {
+        assert!((low + high).abs() < 1e-3 * largest, "{low} {high}");
+    }
+    let snapshot = job.simulation().snapshot().unwrap();
+    assert_eq!(snapshot.bodies.len(), found.fragments);
+    let told = job
+        .fracture(&whole)
+        .unwrap()
+        .unwrap()
+        .fragmentation
+        .unwrap();
+    let parent = told.parent_size.unwrap();
+    assert!((parent / 0.02 - 1.0).abs() < 1e-6, "{parent}");
+
+    // Going on right after it has fallen apart.
+    let mut job = Run::new(scene.clone()).unwrap();
+    while job.simulation().members.len() == 1 {
+        job.advance(&parts, 1).unwrap();
+    }
+    job.flush(&parts).unwrap();
+    job.save(&parts, &Usage::default()).unwrap();
+    let (mut again, _) = Run::read(&parts).unwrap();
+    assert!(again.apply(scene).unwrap().is_empty());
+    again.advance(&parts, u64::MAX).unwrap();
+    let same = again.finish(&parts, &Usage::default()).unwrap();
+    assert_eq!(same.state_hash, summary.state_hash);
+    again.save(&parts, &Usage::default()).unwrap();
+
+    // Another run begins with the fragments, and moves their ends.
+    let from = format!("from = \"{}\"\n{BAR}", parts.display());
+    let from = from.replace("velocity = [0, 0, 0.5]", "velocity = [0, 0, 0.1]");
+    let mut job = Run::new(Scenario::from_toml(&from).unwrap()).unwrap();
+    assert_eq!(job.simulation().members.len(), bodies.len());
+    job.advance(&next, 20).unwrap();
+    let held: usize = job
+        .simulation()
+        .world
+        .deformables()
+        .map(|b| b.boundary().held().count())
+        .sum();
+    assert!(held >= 2 * 9 * 3, "{held}");
 }
 
 #[test]
@@ -397,7 +480,6 @@ fn pieces_of_a_shattered_cube_have_surfaces() {
     let pieces = job.simulation().fracture_summary().unwrap().fragments;
     let snapshot = job.simulation().snapshot().unwrap();
     assert!(pieces >= 5 && snapshot.bodies.len() == pieces, "{pieces}");
-    assert!(snapshot.bodies.iter().all(|body| body.sequence == 0));
     let volumes = snapshot.shapes.iter();
     let volume: f64 = volumes.map(|s| s.polyhedron.mass_properties().volume).sum();
     assert!((volume / 8e-6 - 1.0).abs() < 0.05, "{volume}");

@@ -149,6 +149,7 @@ fn fracture() -> FractureEntry {
         every: Some(1),
         stiffness: Some(1.0),
         coarse: true,
+        fragments: femdem::solve::Fragments::Pieces,
     }
 }
 

@@ -5,8 +5,8 @@ use super::{ContactBatch, Snapshot};
 use crate::body_shape::Kind;
 use crate::contact::{BodyId, Load, Partner};
 use crate::deform::{
-    Around, DeformablePart, DeformableShape, DeformableTotals, FrictionStart, Modulus, NodalLoads,
-    NodalState, Side,
+    Around, DeformablePart, DeformableShape, DeformableTotals, FallenPart, FrictionStart, Modulus,
+    NodalLoads, NodalState, Side,
 };
 use crate::error::{ContactError, check};
 use crate::motion::Motion;
@@ -101,6 +101,34 @@ impl ContactBatch {
         part.crack(body, shape, cracked);
         self.broadphase.forget(body as usize);
         Ok(())
+    }
+
+    /// Makes bodies of the parts into which a deformable body has fallen, and returns their numbers in the order of `parts`. The first
+    /// keeps the number of the body, and the number of its shape, which no other body may have; the others get the next free
+    /// ones, and new shapes. All are awake, touch themselves if the body did, and have its material and
+    /// its stiffness over depth, but no [frequency](Self::set_frequency). Friction goes on where skin and partner stay, also between parts
+    /// that touched each other as parts of one body.
+    ///
+    /// # Errors
+    /// [`ContactError::NoSuch`] if there is no such deformable body, if another body has its shape, and unless each tetrahedron of its mesh is
+    /// in one part.
+    pub fn part_deformable(
+        &mut self,
+        body: BodyId,
+        parts: Vec<FallenPart>,
+    ) -> Result<Vec<BodyId>, ContactError> {
+        let material = self.material(body).unwrap_or_default();
+        self.known_deformable(body)?.check_parts(body, &parts)?;
+        let mut ids = vec![body];
+        for _ in 1..parts.len() {
+            ids.push(self.take_number(0, Kind::Convex));
+        }
+        for id in &ids {
+            self.materials.of_bodies[*id as usize] = material;
+        }
+        self.deformable_mut().part(&ids, parts);
+        self.broadphase.forget(body as usize);
+        Ok(ids)
     }
 
     /// Sets the frequency of the slowest elastic oscillation of a deformable body, rad/s; π c/L for a bar of length L, with

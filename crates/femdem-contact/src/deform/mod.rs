@@ -112,6 +112,7 @@ mod sums;
 mod turning;
 mod walk;
 
+pub use batch::FallenPart;
 pub(crate) use batch::{Around, DeformablePart};
 pub use kernel::{DeformableKernel, DeformableOverlap, NodeForce};
 pub use operand::Operand;

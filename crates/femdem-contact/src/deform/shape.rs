@@ -99,26 +99,26 @@ impl DeformableShape {
         }
     }
 
-    /// The contact mesh of a body that has cracked. `whole` is its mesh before; `mesh` has the same tetrahedra in the same order,
-    /// with nodes of their own on the sides of cracks, as from
-    /// [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh), and may be in pieces.
+    /// The contact mesh of a body that has cracked, or of a part that has broken off it. `mesh` has nodes of their own on the sides
+    /// of cracks, as from [`CrackedMesh::mesh`](femdem_mesh::tet::CrackedMesh::mesh), and may be in pieces; `edge` is the
+    /// [edge](Self::edge) of the body when it was whole (m), which stays.
     ///
     /// The field is the distance to all of its skin: sides of a crack lie on each other when it is born, and begin without
-    /// overlap and without energy. The [edge](Self::edge) is that of the body before.
+    /// overlap and without energy.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and for another number of tetrahedra.
-    pub fn cracked(whole: &TetMesh, mesh: &TetMesh) -> Result<Self, ContactError> {
-        let [before, now] = [whole, mesh].map(|mesh| mesh.tets().len());
-        if before != now {
-            return Err(ContactError::Mesh {
-                why: format!("it has {now} tetrahedra where the body has {before}"),
-            });
-        }
-        let mut new = Self::build(mesh, Field::Body)?;
-        let surface = |t: &[u32; 3]| t.map(|i| whole.points()[i as usize]);
-        new.edge = mean_edge(&whole.skin().iter().map(surface).collect::<Vec<_>>());
-        Ok(new)
+    /// As [`new`](Self::new), and [`ContactError::Parameter`] for an edge that is not positive and finite.
+    pub fn cracked(mesh: &TetMesh, edge: f64) -> Result<Self, ContactError> {
+        check(
+            "edge of the skin",
+            edge,
+            edge > 0.0,
+            "positive and finite, in m",
+        )?;
+        Ok(Self {
+            edge,
+            ..Self::build(mesh, Field::Body)?
+        })
     }
 
     fn build(mesh: &TetMesh, field: Field) -> Result<Self, ContactError> {
@@ -142,7 +142,11 @@ impl DeformableShape {
         for (nodes, next) in split.tets().iter().zip(split.neighbours()) {
             let centre =
                 Point3::from(nodes.iter().map(|&i| point(i).coords).sum::<Vector3>() / 4.0);
-            let to = |i: u32| distance_squared(&centre, &surface[i as usize]);
+            // The nearest one lies before it. The other side of a crack lies in the same place, and behind it.
+            let to = |i: u32| match is_before(&centre, &surface[i as usize]) {
+                true => distance_squared(&centre, &surface[i as usize]),
+                false => f64::INFINITY,
+            };
             let Some((nearest, _)) = finder.nearest(&centre, to) else {
                 return Err(ContactError::Mesh {
                     why: "the distances of its tetrahedra from its skin are not finite: scale it down"
@@ -450,6 +454,11 @@ fn radius(mesh: &TetMesh) -> f64 {
 fn mean_edge(surface: &[[Point3; 3]]) -> f64 {
     let around = |[a, b, c]: &[Point3; 3]| (b - a).norm() + (c - b).norm() + (a - c).norm();
     surface.iter().map(around).sum::<f64>() / (3 * surface.len()) as f64
+}
+
+/// Whether a triangle lies with its back to a point.
+fn is_before(p: &Point3, [a, b, c]: &[Point3; 3]) -> bool {
+    (b - a).cross(&(c - a)).dot(&(p - a)) < 0.0
 }
 
 /// Squared distance of a point from a triangle, m^2.

@@ -5,7 +5,6 @@ use super::{Curve, DeformableModel, NodeSets, Selection};
 use crate::drive::Drive;
 use crate::error::{FemError, check};
 use femdem_mesh::nalgebra::Translation3;
-use femdem_mesh::tet::{FACES, Split};
 use femdem_mesh::{Pose, Rotation, Vector3, checked_pose};
 use serde::{Deserialize, Serialize};
 
@@ -31,12 +30,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(try_from = "Stored")]
 pub struct Boundary {
-    gravity: Vector3,
-    sets: NodeSets,
-    drives: Vec<Drive>,
+    pub(super) gravity: Vector3,
+    pub(super) sets: NodeSets,
+    pub(super) drives: Vec<Drive>,
     /// Sorted by node and component.
-    holds: Vec<Hold>,
-    loads: Vec<Load>,
+    pub(super) holds: Vec<Hold>,
+    pub(super) loads: Vec<Load>,
 }
 
 /// A boundary as read, before its numbers are checked.
@@ -96,16 +95,16 @@ impl TryFrom<Stored> for Boundary {
 
 /// A component of a node's position that is prescribed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Hold {
-    node: u32,
-    component: u8,
-    drive: u32,
+pub(super) struct Hold {
+    pub node: u32,
+    pub component: u8,
+    pub drive: u32,
     /// Where the node's motion counts from, m.
-    place: Vector3,
+    pub place: Vector3,
 }
 
 /// Sorted by node and component, where the last of equal ones counts.
-fn in_order(mut holds: Vec<Hold>) -> Vec<Hold> {
+pub(super) fn in_order(mut holds: Vec<Hold>) -> Vec<Hold> {
     let key = |hold: &Hold| (hold.node, hold.component);
     // Stable: of equal keys the last is the newest.
     holds.sort_by_key(key);
@@ -356,63 +355,6 @@ impl Boundary {
             hold.place = driven[hold.drive as usize].place(&base).translation.vector;
         }
         begun.counted_from(0.0)
-    }
-
-    /// Follows the nodes of a body that have been split, in the order of the splits: what is prescribed for a node holds for the
-    /// new one too, and loads stay on the faces on which they were. `tets` are the nodes of the elements now, and `points`
-    /// says by node which point of the mesh without cracks it was.
-    pub fn follow(&mut self, splits: &[Split], tets: &[[u32; 4]], points: &[u32]) {
-        for split in splits {
-            let of_node: Vec<Hold> = self
-                .holds
-                .iter()
-                .filter(|hold| hold.node == split.node)
-                .map(|hold| Hold {
-                    node: split.new,
-                    ..*hold
-                })
-                .collect();
-            self.holds.extend(of_node);
-            for nodes in self.sets.values_mut() {
-                if nodes.contains(&split.node) {
-                    nodes.push(split.new);
-                }
-            }
-        }
-        self.holds = in_order(std::mem::take(&mut self.holds));
-        if self.loads.is_empty() {
-            return;
-        }
-        // A face of the skin belongs to one tetrahedron, however its nodes are numbered.
-        let key = |nodes: [u32; 3]| {
-            let mut key = nodes.map(|node| points.get(node as usize).copied());
-            key.sort_unstable();
-            key
-        };
-        let of_tet = |tet: &[u32; 4]| FACES.map(|face| face.map(|i| tet[i]));
-        let mut faces: Vec<_> = tets
-            .iter()
-            .flat_map(of_tet)
-            .map(|face| (key(face), face))
-            .collect();
-        faces.sort_unstable();
-        for face in self.loads.iter_mut().flat_map(|load| &mut load.faces) {
-            let Ok(nodes) = <[u32; 3]>::try_from(face.as_slice()) else {
-                continue;
-            };
-            let at = faces.partition_point(|(other, _)| *other < key(nodes));
-            if let Some((_, found)) = faces.get(at).filter(|(other, _)| *other == key(nodes)) {
-                // In the order in which the face was given.
-                let same = |node: u32| {
-                    let is_same =
-                        |other: &u32| points.get(*other as usize) == points.get(node as usize);
-                    found.iter().copied().find(is_same)
-                };
-                for node in face {
-                    *node = same(*node).unwrap_or(*node);
-                }
-            }
-        }
     }
 
     /// Refuses conditions on nodes that a model has not.

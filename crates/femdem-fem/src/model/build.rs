@@ -176,12 +176,7 @@ impl DeformableModel {
     /// [`FemError::Parameter`] for another number of tetrahedra, and for elements other than [`Element::T4`]: the others have
     /// nodes on edges, or averages over the elements around a node.
     pub fn cracked(&self, mesh: TetMesh) -> Result<Self, FemError> {
-        check(
-            "nodes of an element of a cracked body",
-            self.element.node_count() as f64,
-            self.element == Element::T4,
-            "4, of T4",
-        )?;
+        self.check_linear()?;
         let count = mesh.tets().len();
         check(
             "number of tetrahedra",
@@ -197,6 +192,59 @@ impl DeformableModel {
             mass_factors: self.mass_factors.clone(),
         }
         .build()
+    }
+
+    /// The model of some of the tetrahedra of a body, such as a part that has broken off: `mesh` has the tetrahedra `tets` of this one's
+    /// mesh in that order. [`part_of_history`](Self::part_of_history) gives it the histories that it had.
+    ///
+    /// # Errors
+    ///
+    /// As [`cracked`](Self::cracked), and [`FemError::NoSuch`] for a number that is no tetrahedron.
+    pub fn part(&self, tets: &[u32], mesh: TetMesh) -> Result<Self, FemError> {
+        self.check_linear()?;
+        let (found, count) = (mesh.tets().len(), tets.len());
+        check(
+            "number of tetrahedra",
+            found as f64,
+            found == count,
+            "that of the part",
+        )?;
+        let known = self.volumes.len();
+        if let Some(t) = tets.iter().find(|t| **t as usize >= known) {
+            return Err(FemError::NoSuch {
+                what: "tetrahedron",
+                index: *t as usize,
+                count: known,
+            });
+        }
+        let of = |t: &u32| self.region_of[*t as usize];
+        let factor = |t: &u32| self.mass_factors.get(*t as usize).copied();
+        Parts {
+            mesh,
+            element: self.element,
+            regions: self.regions.clone(),
+            region_of: tets.iter().map(of).collect(),
+            mass_factors: tets.iter().filter_map(factor).collect(),
+        }
+        .build()
+    }
+
+    /// What belongs to some linear tetrahedra in a history of a body of this model. Numbers that are no tetrahedra are left out.
+    #[must_use]
+    pub fn part_of_history(&self, history: &[f64], tets: &[u32]) -> Vec<f64> {
+        let stride = self.history_stride;
+        let of = |t: &u32| history.get(*t as usize * stride..(*t as usize + 1) * stride);
+        tets.iter().filter_map(of).flatten().copied().collect()
+    }
+
+    /// Refuses elements that are not linear.
+    fn check_linear(&self) -> Result<(), FemError> {
+        check(
+            "nodes of an element of a cracked body",
+            self.element.node_count() as f64,
+            self.element == Element::T4,
+            "4, of T4",
+        )
     }
 
     /// Refuses masses that overflow.

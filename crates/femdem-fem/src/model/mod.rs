@@ -3,6 +3,7 @@
 mod body;
 mod bound;
 mod boundary;
+mod broken_boundary;
 mod build;
 mod comparison;
 mod coupling;

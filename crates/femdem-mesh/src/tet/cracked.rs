@@ -77,28 +77,7 @@ impl TryFrom<Stored> for CrackedMesh {
             tets,
             points,
         } = stored;
-        topology::check_indices(points.len(), &tets)?;
-        // Without its cracks: nodes are the points again.
-        let whole = tets.iter().map(|tet| tet.map(|node| points[node as usize]));
-        let whole: Vec<[u32; 4]> = whole.collect();
-        let count = points.iter().max().map_or(0, |most| *most as usize + 1);
-        topology::check_indices(count, &whole)?;
-        let (neighbours, _) = topology::connect(&whole)?;
-        let facets = Facets::between(&whole, &neighbours);
-        if facets.all().len() != is_cut.len() {
-            return Err(MeshError::OutOfRange {
-                what: "number of stored marks of facets",
-                value: is_cut.len() as f64,
-                allowed: "the number of inner facets of the mesh",
-            });
-        }
-        Ok(Self {
-            around: around(points.len(), &tets),
-            facets,
-            is_cut,
-            tets,
-            points,
-        })
+        Self::of(tets, points, is_cut)
     }
 }
 
@@ -114,6 +93,36 @@ fn around(nodes: usize, tets: &[[u32; 4]]) -> Vec<Vec<u32>> {
 }
 
 impl CrackedMesh {
+    /// Tetrahedra with their nodes, by node the points of the mesh without cracks, and which facets are cut.
+    pub(super) fn of(
+        tets: Vec<[u32; 4]>,
+        points: Vec<u32>,
+        is_cut: Vec<bool>,
+    ) -> Result<Self, MeshError> {
+        topology::check_indices(points.len(), &tets)?;
+        // Without its cracks: nodes are the points again.
+        let whole = tets.iter().map(|tet| tet.map(|node| points[node as usize]));
+        let whole: Vec<[u32; 4]> = whole.collect();
+        let count = points.iter().max().map_or(0, |most| *most as usize + 1);
+        topology::check_indices(count, &whole)?;
+        let (neighbours, _) = topology::connect(&whole)?;
+        let facets = Facets::between(&whole, &neighbours);
+        if facets.all().len() != is_cut.len() {
+            return Err(MeshError::OutOfRange {
+                what: "number of marks of cut facets",
+                value: is_cut.len() as f64,
+                allowed: "the number of inner facets of the mesh",
+            });
+        }
+        Ok(Self {
+            around: around(points.len(), &tets),
+            facets,
+            is_cut,
+            tets,
+            points,
+        })
+    }
+
     /// A mesh without cracks: its nodes are its points.
     #[must_use]
     pub fn new(mesh: &TetMesh) -> Self {

@@ -34,6 +34,7 @@
 
 mod body;
 mod cracked;
+mod cracked_part;
 pub(crate) mod distance;
 mod draft;
 mod facets;
@@ -57,6 +58,7 @@ mod winding;
 use crate::polyhedron::check_coordinates;
 use crate::{MassProperties, MeshError, Point3, Polyhedron, Vector3};
 pub use cracked::{CrackedMesh, Split};
+pub use cracked_part::CrackedPart;
 pub(crate) use distance::Triangles;
 pub use facets::{Facet, Facets};
 pub use mesher::{MeshOptions, MeshReport, Method, mesh};

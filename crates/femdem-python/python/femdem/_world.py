@@ -410,7 +410,8 @@ class World(Bodies):
         return self._world.bonded_pieces()
 
     def cracks(self, body: int) -> dict[str, NDArray[Any]]:
-        """The facets of a breakable body that are cut, as columns: ``facet``, ``corners`` (n, 3, 3) midway between the sides (m),
+        """The facets of a breakable body that are cut, as columns: ``elements`` beside them (n, 2; -1 for one of another
+        body, which has the facet too), ``corners`` (n, 3, 3) midway between the sides (m),
         ``opening`` and ``slip`` (m), ``damage`` from 0 to 1, ``sheared`` or pulled apart, ``birth`` and ``broken_at`` (s, NaN
         before), ``dissipated`` (J)."""
         columns = self._world.cracks(index("body", body))
@@ -425,6 +426,11 @@ class World(Bodies):
     def fragments(self, body: int) -> NDArray[np.uint32]:
         """The fragment (n,) of each tetrahedron of a breakable body: facets join them that are not broken."""
         return self._world.fragments(index("body", body))
+
+    def part_fragments(self) -> list[tuple[int, list[int]]]:
+        """Makes bodies of the fragments of broken bodies, unless their fracture says ``fragments: "pieces"``: each body that had
+        some, which is its largest fragment from then on, with the new bodies."""
+        return self._world.part_fragments()
 
     @property
     def cell(self) -> NDArray[np.float64] | None:

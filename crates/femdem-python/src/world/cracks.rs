@@ -56,7 +56,9 @@ impl World {
         });
         let sheared = facets.iter().map(|f| f.mode == FractureMode::Shear);
         let columns = PyDict::new(py);
-        columns.set_item("facet", column(py, facets.iter().map(|f| f.facet)))?;
+        let element = |tet: Option<u32>| tet.map_or(-1, i64::from);
+        let elements = facets.iter().map(|f| f.tets.map(element));
+        columns.set_item("elements", table(py, elements)?)?;
         columns.set_item("corners", table(py, corners)?)?;
         columns.set_item("opening", each(|f| f.opening))?;
         columns.set_item("slip", each(|f| f.slip))?;
@@ -88,6 +90,15 @@ impl World {
         }
         let elements = self.soft(body)?.model().mesh().tets().len();
         Ok(column(py, vec![0; elements]))
+    }
+
+    /// Makes bodies of the fragments of broken bodies: each body that had some, with the new ones.
+    fn part_fragments(&mut self) -> PyResult<Vec<(BodyId, Vec<BodyId>)>> {
+        let partings = self.world.part_fragments().map_err(refused)?;
+        Ok(partings
+            .into_iter()
+            .map(|p| (p.body, p.fragments))
+            .collect())
     }
 
     /// Takes all conditions off a deformable body.

@@ -33,7 +33,9 @@ use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
 pub(crate) use deformables::CrackFlows;
-pub use deformables::{ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId};
+pub use deformables::{
+    ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId, Parting,
+};
 pub use query::Residuals;
 pub use relax::{WorldRelaxation, WorldRelaxed};
 pub use stability::Stability;

@@ -151,6 +151,7 @@ pub fn resolve(rigid: &World, options: &ResolveOptions) -> Result<Resolved, Erro
             name: name.unwrap_or_default(),
             placed: pose,
             id,
+            of: None,
         });
     }
     for ((a, b), start) in starts(rigid) {

@@ -367,6 +367,7 @@ impl Simulation {
             },
             id,
             placed,
+            of: None,
         };
         self.members.extend((1..).zip(ids).map(member));
         Ok(())
@@ -494,6 +495,7 @@ impl Simulation {
             self.controls.step(&mut self.world)
         };
         stepped.map_err(|source| self.named(source))?;
+        self.part_fragments()?;
         self.pass_gates()
     }
 

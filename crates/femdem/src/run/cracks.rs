@@ -71,7 +71,7 @@ impl Simulation {
         };
         let (mut mass, mut largest) = (0.0, 0.0_f64);
         for body in self.breakable_bodies() {
-            summary.bodies += 1;
+            summary.bodies += usize::from(body.entry.of.is_none());
             summary.highest = summary.highest.max(body.cracks.highest());
             for piece in body.pieces() {
                 summary.fragments += 1;
@@ -79,7 +79,7 @@ impl Simulation {
                 largest = largest.max(piece.mass);
             }
             for facet in body.all() {
-                let area = body.area(facet.facet);
+                let area = area(&facet);
                 summary.cut_area += area;
                 if facet.end.is_some() {
                     summary.broken_area += area;
@@ -92,15 +92,21 @@ impl Simulation {
 }
 
 impl BreakableBody<'_> {
-    /// The facets that are cut, those whose sides have become skin first.
+    /// The facets that are cut, those whose sides have become skin first; those to another body at one of both.
     fn all(&self) -> impl Iterator<Item = femdem_solve::CrackFacet> {
+        let own = |facet: &femdem_solve::CrackFacet| facet.tets[0].is_some();
+        self.with_shared().filter(own)
+    }
+
+    /// The same at both bodies.
+    fn with_shared(&self) -> impl Iterator<Item = femdem_solve::CrackFacet> {
         let spent = self.cracks.spent().iter().copied();
         spent.chain(self.cracks.facets())
     }
 
     fn facets(&self) -> Vec<CrackFacet> {
         let facet = |facet: femdem_solve::CrackFacet| CrackFacet {
-            body: self.member as u32,
+            body: self.first,
             points: facet.corners.map(Point3::from),
             opening: facet.opening,
             slip: facet.slip,
@@ -117,7 +123,7 @@ impl BreakableBody<'_> {
         let event = |facet: femdem_solve::CrackFacet| {
             Some(CrackEvent {
                 time: facet.end?,
-                point: pose * Point3::from(self.corners(facet.facet).iter().sum::<Vector3>() / 3.0),
+                point: pose * Point3::from(facet.place.iter().sum::<Vector3>() / 3.0),
                 energy: facet.taken.max(0.0),
                 mode: mode(facet.mode),
             })
@@ -125,36 +131,23 @@ impl BreakableBody<'_> {
         self.all().filter_map(event).collect()
     }
 
-    /// Corners of a facet of the mesh without loads, in the coordinates of the shape \[m\]; none for a body that is whole.
-    fn corners(&self, facet: u32) -> [Vector3; 3] {
-        let nodes = self.body.model().nodes();
-        let facets = self.cracks.mesh().map(|mesh| mesh.facets().all());
-        let found = facets.and_then(|all| all.get(facet as usize));
-        found.map_or([Vector3::zeros(); 3], |found| {
-            found.points.map(|point| nodes[point as usize])
-        })
-    }
-
-    /// Area of a facet without loads \[m²\].
-    fn area(&self, facet: u32) -> f64 {
-        let [a, b, c] = self.corners(facet);
-        0.5 * (b - a).cross(&(c - a)).norm()
-    }
-
     /// For each tetrahedron the largest damage of its facets.
     pub fn damage(&self) -> Vec<f64> {
         let mut damage = vec![0.0_f64; self.body.model().volumes().len()];
-        let Some(mesh) = self.cracks.mesh() else {
-            return damage;
-        };
-        for facet in self.all() {
-            for tet in mesh.facets().all()[facet.facet as usize].tets {
+        for facet in self.with_shared() {
+            for tet in facet.tets.into_iter().flatten() {
                 let of_tet = &mut damage[tet as usize];
                 *of_tet = of_tet.max(facet.damage.clamp(0.0, 1.0));
             }
         }
         damage
     }
+}
+
+/// Area of a facet without loads \[m²\].
+fn area(facet: &femdem_solve::CrackFacet) -> f64 {
+    let [a, b, c] = facet.place;
+    0.5 * (b - a).cross(&(c - a)).norm()
 }
 
 fn mode(mode: FractureMode) -> CrackMode {

@@ -2,7 +2,7 @@
 
 use femdem_contact::glue::Softening;
 use femdem_fem::fracture::{Strength, Weibull};
-use femdem_solve::Fracture;
+use femdem_solve::{Fracture, Fragments};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
@@ -38,6 +38,9 @@ pub struct FractureEntry {
     /// Whether the mesh may be too coarse for the process zone.
     #[serde(default)]
     pub coarse: bool,
+    /// Whether the parts into which a body falls become bodies.
+    #[serde(default)]
+    pub fragments: Fragments,
 }
 
 /// Weibull's scatter of the strength.
@@ -115,6 +118,7 @@ impl FractureEntry {
             every: self.every.unwrap_or(usual.every),
             stiffness: self.stiffness.unwrap_or(usual.stiffness),
             coarse: self.coarse,
+            fragments: self.fragments,
             scatter: scatter.transpose()?,
             ..usual
         })

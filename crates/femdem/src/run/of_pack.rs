@@ -173,6 +173,7 @@ impl Simulation {
                 name: format!("pack {number}"),
                 id,
                 placed: world.pose(id)?,
+                of: None,
             })
         });
         let members: Vec<Member> = members.collect();

@@ -1,5 +1,7 @@
 //! The pieces of bodies that may break.
 
+use std::collections::BTreeMap;
+
 use femdem_analysis::{
     Fragment, FragmentExtent, FragmentSizes, Fragmentation, FragmentationOptions, fragmentation,
     measure_fragments,
@@ -17,14 +19,14 @@ pub(super) struct BreakableBody<'a> {
     /// Number among the members.
     pub member: usize,
     pub entry: &'a Member,
+    /// Number of the body that broke first: its own, or that of which it is a fragment.
+    pub first: u32,
     pub body: Deformable<'a>,
     pub cracks: Cracks<'a>,
 }
 
 /// What broken facets separate from the rest of a body, or all of it.
 pub(super) struct Piece {
-    /// Number of its body among the members.
-    pub member: usize,
     /// Its tetrahedra.
     pub tets: Vec<u32>,
     /// Volume without loads \[m³\].
@@ -43,6 +45,7 @@ impl Simulation {
             Some(BreakableBody {
                 member,
                 entry,
+                first: entry.of.unwrap_or(member as u32),
                 cracks: body.cracks()?,
                 body,
             })
@@ -72,7 +75,7 @@ impl Simulation {
             let sizes = body.measure(&pieces)?;
             let measured = pieces.iter().zip(&sizes.fragments);
             rows.extend(measured.map(|(piece, size)| FragmentRow {
-                body: piece.member as u32,
+                body: body.first,
                 volume: size.volume,
                 mass: size.mass,
                 sieve_size: size.sieve_size(),
@@ -96,12 +99,26 @@ impl Simulation {
         if pieces.is_empty() {
             return Ok(None);
         }
-        let mut parents = Vec::new();
+        // The hull of a body that broke is that of its fragments.
+        let mut wholes: BTreeMap<u32, (f64, f64, Vec<Point3>)> = BTreeMap::new();
         for body in self.breakable_bodies() {
-            let whole = [body.piece(0..body.body.model().volumes().len() as u32)];
-            let sizes = body.measure(&whole)?;
-            parents.extend(sizes.fragments.iter().map(|size| size.sieve_size()));
+            let (volume, mass, points) = wholes.entry(body.first).or_default();
+            let all = body.piece(0..body.body.model().volumes().len() as u32);
+            *volume += all.volume;
+            *mass += all.mass;
+            points.extend(body.hull_points(&all));
         }
+        let wholes: Vec<Fragment> = wholes
+            .values()
+            .map(|(volume, mass, points)| Fragment {
+                volume: *volume,
+                mass: *mass,
+                area: None,
+                extent: FragmentExtent::Points(points),
+            })
+            .collect();
+        let sizes = measure_fragments(&wholes)?.fragments;
+        let parents: Vec<f64> = sizes.iter().map(|size| size.sieve_size()).collect();
         let first = parents.first().copied();
         let same = |first: &f64| parents.iter().all(|size| (size / first - 1.0).abs() < SAME);
         let options = FragmentationOptions {
@@ -152,13 +169,25 @@ impl BreakableBody<'_> {
             }
         }
         Piece {
-            member: self.member,
             tets,
             volume,
             mass,
             centre: centre / mass,
             velocity: velocity / mass,
         }
+    }
+
+    /// The points of the skin of a piece without loads.
+    fn hull_points(&self, piece: &Piece) -> Vec<Point3> {
+        let faces = self.skin(piece).into_iter();
+        let mut points: Vec<u32> = faces
+            .flat_map(|(t, k)| FACES[k].map(|i| self.point(t, i)))
+            .collect();
+        points.sort_unstable();
+        points.dedup();
+        let nodes = self.body.model().nodes();
+        let place = |point: u32| Point3::from(nodes[point as usize]);
+        points.into_iter().map(place).collect()
     }
 
     /// Measures pieces of it without loads.
@@ -175,11 +204,7 @@ impl BreakableBody<'_> {
                     0.5 * (b - a).cross(&(c - a)).norm()
                 };
                 let area = triangles.iter().map(area).sum();
-                let mut points: Vec<u32> = triangles.into_iter().flatten().collect();
-                points.sort_unstable();
-                points.dedup();
-                let place = |point: u32| Point3::from(nodes[point as usize]);
-                (points.into_iter().map(place).collect(), area)
+                (self.hull_points(piece), area)
             })
             .collect();
         let fragments: Vec<Fragment> = pieces

@@ -18,6 +18,8 @@ pub struct Member {
     pub id: BodyId,
     /// Its initial pose: coordinates of its shape -> world.
     pub placed: Pose,
+    /// Of a fragment that has become a body: the number among the members of the body that broke first.
+    pub of: Option<u32>,
 }
 
 impl Member {

@@ -1,12 +1,15 @@
 //! A run that starts from the state of another one.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use femdem_fem::Boundary;
 use femdem_mesh::tet::Split;
-use femdem_solve::{World, WorldParameters};
+use femdem_solve::{Deformable, World, WorldParameters};
 
 use super::changes::{Change, changes};
 use super::saved::RUN_CHECKPOINT;
+use super::support::first_points;
 use super::words::KEYS;
 use super::{Controls, Member, Run, Scenario, Simulation};
 use crate::Error;
@@ -86,18 +89,15 @@ impl Simulation {
         simulation.set_flow(scene)?;
         simulation.change(before, scene)?;
         simulation.set_loads(scene)?;
-        for (number, _, body) in self.deformables() {
-            let id = simulation.members[number].id;
-            let Some(present) = simulation.world.deformable(id) else {
+        for number in 0..simulation.members.len() {
+            let Member { id, of, .. } = simulation.members[number];
+            let first = of.map_or(number, |first| first as usize);
+            let body = self.members.get(first).map(|member| member.id);
+            let body = body.and_then(|id| self.world.deformable(id));
+            let Some((body, present)) = body.zip(simulation.world.deformable(id)) else {
                 continue;
             };
-            let mut boundary = body.boundary().clone();
-            if let Some(mesh) = present.cracks().and_then(|cracks| cracks.mesh()) {
-                let whole = body.model().nodes().len();
-                let nodes = mesh.points().iter().zip(0..).skip(whole);
-                let splits: Vec<Split> = nodes.map(|(&node, new)| Split { node, new }).collect();
-                boundary.follow(&splits, mesh.tets(), mesh.points());
-            }
+            let boundary = boundary_now(body.boundary(), &present);
             let placed = boundary.placed(present.positions())?;
             let boundary = placed.counted_from(0.0);
             if boundary != *present.boundary() {
@@ -113,20 +113,28 @@ impl Simulation {
 
     /// Name of the first body or wall that is not the same in another simulation of equal entries: files can change.
     fn first_other<'a>(&'a self, other: &'a Self) -> Option<&'a str> {
-        let size = |of: &Self, id| {
-            let body = of.world.deformable(id);
-            // Cracks make more nodes, but no tetrahedra.
-            let tets = body.map_or(0, |body| body.model().volumes().len());
-            of.world.mass(id).map(|mass| (mass, tets))
+        // With its fragments. Cracks make more nodes, but no tetrahedra.
+        let size = |of: &Self, number: usize| {
+            let whole = of.members[number].id;
+            let own = of.members.iter();
+            let own = own.filter(|m| m.id == whole || m.of == Some(number as u32));
+            own.map(|member| {
+                let body = of.world.deformable(member.id);
+                let tets = body.map_or(0, |body| body.model().volumes().len());
+                of.world.mass(member.id).map(|mass| (mass, tets))
+            })
+            .try_fold((0.0, 0), |(mass, tets), own| {
+                own.map(|(m, n)| (mass + m, tets + n))
+            })
         };
-        let same = |a, b| match (size(self, a), size(other, b)) {
+        let same = |i: usize| match (size(self, i), size(other, i)) {
             // It has left.
-            _ if b == Member::GONE => true,
+            _ if other.members[i].id == Member::GONE => true,
             (Some((a, n)), Some((b, m))) => n == m && (a - b).abs() <= SAME * a.abs(),
             _ => false,
         };
-        let mut members = self.members.iter().zip(&other.members);
-        let member = members.find(|(a, b)| !same(a.id, b.id));
+        let mut both = 0..self.members.len().min(other.members.len());
+        let member = both.find(|i| !same(*i)).map(|i| &self.members[i]);
         // A wall may have been taken away, but keeps its name.
         fn name(of: &Simulation, wall: u32) -> Option<&str> {
             let mut walls = of.walls.iter();
@@ -137,7 +145,7 @@ impl Simulation {
         let mut walls = walls.flat_map(|(a, b)| a.iter().zip(b));
         let wall = walls.find(|&(&a, &b)| name(self, a) != name(other, b));
         let wall = wall.and_then(|(&a, _)| name(self, a));
-        let member = member.map(|(member, _)| member.name.as_str());
+        let member = member.map(|member| member.name.as_str());
         // A table of poses may have other rows than before.
         let placed = |of: &Self| of.origin.bodies + of.origin.members.iter().sum::<usize>();
         let (more, fewer) = match placed(self) < placed(other) {
@@ -147,4 +155,22 @@ impl Simulation {
         let added = more.get(fewer).map(|member| member.name.as_str());
         member.or(added).or(wall)
     }
+}
+
+/// The conditions on a body, given for its nodes when it was whole, as those on it now, or on a fragment of it.
+fn boundary_now(boundary: &Boundary, body: &Deformable) -> Boundary {
+    let Some(firsts) = first_points(body) else {
+        return boundary.clone();
+    };
+    let mut numbers = BTreeMap::new();
+    let mut splits = Vec::new();
+    for (point, new) in firsts.iter().zip(0..) {
+        let node = *numbers.entry(*point).or_insert(new);
+        if node != new {
+            splits.push(Split { node, new });
+        }
+    }
+    let mut now = boundary.part(|node| numbers.get(&node).copied());
+    now.follow(&splits, body.model().mesh().tets(), &firsts);
+    now
 }

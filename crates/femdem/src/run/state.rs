@@ -26,8 +26,8 @@ impl Simulation {
     /// The bodies, contacts and walls as they are, in the form that tables, measurements and pictures take.
     ///
     /// Bodies are in the order of the members, whose numbers are `sequence`, without those that have left. A deformable body has a
-    /// shape of its own: its present skin, about its centroid. Of one that has cracked each piece is a body with the number of
-    /// the whole and a shape in which the cracks that do not separate it are closed; contacts belong to the piece nearest to
+    /// shape of its own: its present skin, about its centroid. Of one that has cracked each piece that is no body yet is one with the number
+    /// of the whole and a shape in which the cracks that do not separate it are closed; contacts belong to the piece nearest to
     /// them.
     /// Contacts of deformable bodies have no class, which the [`gaps`](Snapshot::gaps) then say, and those of a body with
     /// itself are left out. The inside of the container is known where planes bound a box, or a cylinder with a floor.
@@ -50,7 +50,8 @@ impl Simulation {
         let there = |(member, _): &(&Member, u32)| member.id != Member::GONE;
         for (member, number) in self.members.iter().zip(0_u32..).filter(there) {
             let own = broken.next_if(|body| body.member == number as usize);
-            if let Some(body) = own.filter(|body| body.cracks.mesh().is_some()) {
+            let has_pieces = |b: &BreakableBody| b.entry.of.is_some() || b.cracks.mesh().is_some();
+            if let Some(body) = own.filter(has_pieces) {
                 let pieces = body.add_pieces(&mut snapshot, &mut names);
                 let pieces = pieces.map_err(in_entry(format!("body \"{}\"", member.name)))?;
                 numbers.insert(member.id, pieces);

@@ -6,7 +6,7 @@ use femdem_fem::{Boundary, DeformableModel};
 use femdem_mesh::Vector3;
 use femdem_solve::Deformable;
 
-use super::{BodyEntry, Simulation, Support};
+use super::{BodyEntry, Member, Simulation, Support};
 use crate::Error;
 use crate::error::wrong;
 
@@ -85,14 +85,24 @@ impl Simulation {
 
     fn reaction(&self, support: &Support) -> Option<Vector3> {
         let world = &self.world;
-        let id = self.members.get(support.member)?.id;
         if world.steps() == 0 {
             return None;
         }
-        let body = world.deformable(id)?;
+        let number = support.member as u32;
+        let of = |(k, member): &(u32, &Member)| *k == number || member.of == Some(number);
+        let own = (0_u32..).zip(&self.members).filter(of);
+        let bodies = own.filter_map(|(_, member)| world.deformable(member.id));
+        let sum = |sum: Vector3, body| sum + self.reaction_of(support, &body);
+        // Adding zero avoids -0.
+        Some(bodies.fold(Vector3::zeros(), sum) + Vector3::zeros())
+    }
+
+    /// The part of it on one body.
+    fn reaction_of(&self, support: &Support, body: &Deformable) -> Vector3 {
+        let world = &self.world;
         let (masses, gravity) = (body.model().masses(), world.parameters().gravity);
         let mut sum = Vector3::zeros();
-        for (node, direction) in holds_with_copies(support, &body) {
+        for (node, direction) in holds_now(support, body) {
             let (node, k) = (node as usize, usize::from(direction));
             // A support made by a caller may name nodes and directions that do not exist.
             let (Some(sum), Some(mass)) = (sum.get_mut(k), masses.get(node)) else {
@@ -102,21 +112,29 @@ impl Simulation {
             let inside = on_node(body.internal_forces()) + on_node(body.loads());
             *sum -= inside + on_node(body.contact_forces()) + mass * gravity[k];
         }
-        // Adding zero avoids -0.
-        Some(sum + Vector3::zeros())
+        sum
     }
 }
 
-/// The nodes and directions that a support holds, with the nodes into which cracks have split them.
-fn holds_with_copies(support: &Support, body: &Deformable) -> Vec<(u32, u8)> {
-    let mut holds = support.holds.clone();
-    let Some(mesh) = body.cracks().and_then(|cracks| cracks.mesh()) else {
-        return holds;
+/// The nodes and directions that a support holds in a body, or in a fragment of it.
+fn holds_now(support: &Support, body: &Deformable) -> Vec<(u32, u8)> {
+    let Some(firsts) = first_points(body) else {
+        return support.holds.clone();
     };
-    let held: BTreeSet<(u32, u8)> = holds.iter().copied().collect();
-    for (point, node) in mesh.points().iter().zip(0_u32..) {
-        let own = (0..3).filter(|k| node != *point && held.contains(&(*point, *k)));
-        holds.extend(own.map(|k| (node, k)));
-    }
-    holds
+    let held: BTreeSet<(u32, u8)> = support.holds.iter().copied().collect();
+    let nodes = firsts.into_iter().zip(0_u32..);
+    let each = nodes.flat_map(|(point, node)| (0..3).map(move |k| (point, node, k)));
+    each.filter(|(point, _, k)| held.contains(&(*point, *k)))
+        .map(|(_, node, k)| (node, k))
+        .collect()
+}
+
+/// By node of a body that may break, or of a fragment of one, the node of the body when it was whole.
+pub(super) fn first_points(body: &Deformable) -> Option<Vec<u32>> {
+    let cracks = body.cracks()?;
+    let points = cracks.points();
+    Some(match cracks.mesh() {
+        None => points.to_vec(),
+        Some(mesh) => mesh.points().iter().map(|p| points[*p as usize]).collect(),
+    })
 }

@@ -28,22 +28,6 @@ impl Context<'_> {
         }
     }
 
-    /// The bodies of a pair as the sides of its evaluation, and whether they have changed places.
-    ///
-    /// The springs of friction belong to the skin of side B, one for each triangle. That has to be the finer skin:
-    /// a spring of a large triangle would act on a single small one of the other skin, and shake its nodes instead of
-    /// holding the body. So it does not matter either which body was added first.
-    fn sides(&self, pair: &SoftPair, bodies: &[SoftBody]) -> (Side, u32, bool) {
-        let edge = |i: u32| {
-            let shape = self.shapes.get(bodies.get(i as usize)?.shape as usize)?;
-            Some(shape.edge())
-        };
-        match pair.a {
-            Side::Deformable(i) if edge(i) < edge(pair.b) => (Side::Deformable(pair.b), i, true),
-            _ => (pair.a, pair.b, false),
-        }
-    }
-
     /// The contact of a pair; `None` if there is none.
     fn touch(
         &self,
@@ -52,7 +36,8 @@ impl Context<'_> {
         motion: f64,
         scratch: &mut DeformableScratch,
     ) -> Option<()> {
-        let (a, b, swapped) = self.sides(pair, bodies);
+        let swapped = pair.swapped;
+        let (a, b) = pair.sides();
         let body = bodies.get(b as usize)?;
         let of_b = self.soft(b, body)?;
         let tree_b = tree(body)?;

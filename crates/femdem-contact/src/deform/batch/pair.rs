@@ -14,6 +14,10 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct SoftPair {
     pub a: Side,
     pub b: u32,
+    /// Whether B comes first in the evaluation. The springs of friction belong to the skin of the side that comes second, one for each
+    /// triangle. That has to be the finer skin: a spring of a large triangle would act on a single small one of the other
+    /// skin, and shake its nodes instead of holding the body. So it does not matter either which body was added first.
+    pub swapped: bool,
     pub candidates: Candidates,
     /// In periodic space: which image of A it is that B meets.
     pub image: [i32; 3],
@@ -30,10 +34,11 @@ pub(crate) struct SoftPair {
 }
 
 impl SoftPair {
-    pub fn new((a, b): (Side, u32)) -> Self {
+    pub fn new((a, b): (Side, u32), swapped: bool) -> Self {
         Self {
             a,
             b,
+            swapped,
             candidates: Candidates::default(),
             image: [0; 3],
             branch: Vector3::zeros(),
@@ -45,8 +50,24 @@ impl SoftPair {
         }
     }
 
+    /// A pair that is evaluated in this order of its sides.
+    pub fn between(first: Side, second: u32) -> Self {
+        match first {
+            Side::Deformable(i) if i > second => Self::new((Side::Deformable(second), i), true),
+            _ => Self::new((first, second), false),
+        }
+    }
+
     pub fn key(&self) -> (Side, u32) {
         (self.a, self.b)
+    }
+
+    /// The sides in the order of the evaluation.
+    pub fn sides(&self) -> (Side, u32) {
+        match self.a {
+            Side::Deformable(i) if self.swapped => (Side::Deformable(self.b), i),
+            _ => (self.a, self.b),
+        }
     }
 
     /// Whether it is a body with itself.

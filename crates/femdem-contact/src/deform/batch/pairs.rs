@@ -41,8 +41,29 @@ impl PairList {
         self.note_own();
     }
 
-    /// Makes `found`, sorted, the pairs of those for which `is_due` holds. Returns whether that changes the list.
-    pub fn renew(&mut self, found: Vec<Key>, is_due: impl Fn(&Key) -> bool) -> bool {
+    /// Takes the pairs of a body off the list.
+    pub fn take_of(&mut self, body: BodyId) -> Vec<SoftPair> {
+        let is_own = |pair: &SoftPair| pair.deformables().any(|other| other == body);
+        let (own, rest) = std::mem::take(&mut self.list).into_iter().partition(is_own);
+        self.list = rest;
+        own
+    }
+
+    /// Adds pairs that are not on the list.
+    pub fn add(&mut self, pairs: impl IntoIterator<Item = SoftPair>) {
+        self.list.extend(pairs);
+        self.list.sort_by_key(SoftPair::key);
+        self.note_own();
+    }
+
+    /// Makes `found`, sorted, the pairs of those for which `is_due` holds; `swaps` says of which of the new ones B comes first.
+    /// Returns whether that changes the list.
+    pub fn renew(
+        &mut self,
+        found: Vec<Key>,
+        is_due: impl Fn(&Key) -> bool,
+        swaps: impl Fn(Key) -> bool,
+    ) -> bool {
         let present = self.list.iter().map(SoftPair::key);
         if present.filter(&is_due).eq(found.iter().copied()) {
             return false;
@@ -51,18 +72,19 @@ impl PairList {
         let mut keys: Vec<Key> = stay.filter(|key| !is_due(key)).collect();
         keys.extend(found);
         keys.sort_unstable();
-        self.keep(keys);
+        self.keep(keys, swaps);
         true
     }
 
     /// Replaces the list by the pairs `keys`, which are sorted; pairs that stay keep their data.
-    fn keep(&mut self, keys: Vec<Key>) {
+    fn keep(&mut self, keys: Vec<Key>, swaps: impl Fn(Key) -> bool) {
         let mut old = std::mem::take(&mut self.list).into_iter().peekable();
         self.list.reserve(keys.len());
         for key in keys {
             while old.next_if(|p| p.key() < key).is_some() {}
             let kept = old.next_if(|p| p.key() == key);
-            self.list.push(kept.unwrap_or_else(|| SoftPair::new(key)));
+            self.list
+                .push(kept.unwrap_or_else(|| SoftPair::new(key, swaps(key))));
         }
         self.note_own();
     }

@@ -2,9 +2,8 @@
 
 use super::DeformablePart;
 use super::body::SoftBody;
-use super::pair::SoftPair;
 use crate::contact::BodyId;
-use crate::deform::bristle::Anchor;
+use crate::deform::bristle::{Anchor, Bristle};
 use crate::deform::near::Candidates;
 use crate::deform::shape::{DeformableShape, Modulus};
 use crate::deform::side::Side;
@@ -37,20 +36,14 @@ impl DeformablePart {
             return;
         }
         of_body.crack(&new);
-        let renumbering = Renumbering::new(&old, &new);
-        let Self {
-            pairs,
-            bodies,
-            shapes,
-            ..
-        } = self;
-        let edge = |i: BodyId| shapes[bodies[i as usize].shape as usize].edge();
-        for pair in pairs.list_mut() {
-            let swapped = matches!(pair.a, Side::Deformable(i) if edge(i) < edge(pair.b));
+        let renumbering = Renumbering::new(&old, &new, Some);
+        for pair in self.pairs.list_mut() {
             for (side, own) in [pair.a, Side::Deformable(pair.b)].into_iter().enumerate() {
                 if own == Side::Deformable(body) {
-                    let of_kernel = if swapped { 1 - side } else { side };
-                    renumbering.apply(pair, side, of_kernel);
+                    let of_kernel = if pair.swapped { 1 - side } else { side };
+                    pair.candidates = Candidates::default();
+                    pair.outcome.nodes[side].clear();
+                    renumbering.apply(&mut pair.outcome.bristles, of_kernel);
                 }
             }
         }
@@ -71,20 +64,23 @@ impl SoftBody {
 }
 
 /// What becomes of tetrahedra and triangles.
-struct Renumbering<'a> {
+pub(super) struct Renumbering<'a, M> {
     old: &'a DeformableShape,
     new: &'a DeformableShape,
+    /// The number of a tetrahedron of the old mesh in the new one, if it is of it.
+    of_whole: M,
     /// By triangle of the old skin, that of the new one.
     triangles: Vec<Option<u32>>,
 }
 
-impl<'a> Renumbering<'a> {
-    fn new(old: &'a DeformableShape, new: &'a DeformableShape) -> Self {
+impl<'a, M: Fn(u32) -> Option<u32>> Renumbering<'a, M> {
+    pub fn new(old: &'a DeformableShape, new: &'a DeformableShape, of_whole: M) -> Self {
         let mut triangles = vec![None; old.skin().len()];
         for (tet, i) in old.tets().iter().zip(0..) {
             for k in (0..4).filter(|k| tet.skin & (1 << k) != 0) {
                 // The face of a part that lies in the skin is that of the whole opposite the same corner.
-                let child = old.parent(i).and_then(|(parent, _)| new.child(parent));
+                let whole = old.parent(i).and_then(|(parent, _)| of_whole(parent));
+                let child = whole.and_then(|whole| new.child(whole));
                 let place = child.map(|(first, split)| first + if split { k } else { 0 });
                 let now = place.and_then(|place| new.tets().get(place as usize));
                 triangles[tet.triangles[k as usize] as usize] = now
@@ -95,16 +91,14 @@ impl<'a> Renumbering<'a> {
         Self {
             old,
             new,
+            of_whole,
             triangles,
         }
     }
 
-    /// Numbers the springs of a pair anew on a side, which is side `of_kernel` of its evaluation, and forgets what is near.
-    fn apply(&self, pair: &mut SoftPair, side: usize, of_kernel: usize) {
-        pair.candidates = Candidates::default();
-        let outcome = &mut pair.outcome;
-        outcome.nodes[side].clear();
-        outcome.bristles.retain_mut(|bristle| {
+    /// Numbers springs anew on a side of their evaluation, and takes those off the list that are not on the new skin.
+    pub fn apply(&self, bristles: &mut Vec<Bristle>, of_kernel: usize) {
+        bristles.retain_mut(|bristle| {
             if let Anchor::Tet(tet, weights) = bristle.anchors[of_kernel] {
                 let Some(anchor) = self.anchor(tet, weights) else {
                     return false;
@@ -119,7 +113,7 @@ impl<'a> Renumbering<'a> {
             }
             true
         });
-        outcome.bristles.sort_by_key(|bristle| bristle.triangle);
+        bristles.sort_by_key(|bristle| bristle.triangle);
     }
 
     /// The same point of the material.
@@ -132,7 +126,7 @@ impl<'a> Renumbering<'a> {
             whole[usize::from(k)] = centre;
             whole
         });
-        let (first, is_split) = self.new.child(parent)?;
+        let (first, is_split) = self.new.child((self.of_whole)(parent)?)?;
         if !is_split {
             return Some(Anchor::Tet(first, whole));
         }

@@ -94,12 +94,16 @@ impl DeformablePart {
         }
         found.sort_unstable();
         found.dedup();
-        self.pairs.renew(found, |&(a, b)| match a {
+        let is_due = |&(a, b): &Key| match a {
             Side::Deformable(a) | Side::Rigid(a) => {
                 entered.contains_key(&a) || entered.contains_key(&b)
             }
             Side::Wall(_) => meets_walls(b),
-        })
+        };
+        let (shapes, bodies) = (&self.shapes, &self.bodies);
+        let edge = |i: BodyId| shapes[bodies[i as usize].shape as usize].edge();
+        let swaps = |(a, b): Key| matches!(a, Side::Deformable(i) if edge(i) < edge(b));
+        self.pairs.renew(found, is_due, swaps)
     }
 
     /// The pair of a deformable body with another body.

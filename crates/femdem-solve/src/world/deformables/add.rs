@@ -61,7 +61,7 @@ impl World {
             stiffness,
             field,
             young,
-            cracked: None,
+            edge: None,
         };
         let shape = model.shape()?;
         self.restored()?;
@@ -307,7 +307,7 @@ impl Deformables {
             }
             body.boundary.check(&model.model)?;
             if let Some(breakable) = &body.breakable {
-                breakable.check(&self.models, model)?;
+                breakable.check(model)?;
             }
         }
         Ok(())
@@ -315,19 +315,7 @@ impl Deformables {
 
     /// The contact shapes of the models.
     pub(in crate::world) fn shapes(&self) -> Result<Vec<Arc<DeformableShape>>, SolveError> {
-        let mut shapes: Vec<Arc<DeformableShape>> = Vec::with_capacity(self.models.len());
-        for model in &self.models {
-            let shape = match model.cracked {
-                None => Arc::new(model.shape()?),
-                Some(base) => {
-                    let whole = self.models.get(base as usize).ok_or_else(|| {
-                        inconsistent(format!("there is no model {base} for a cracked body"))
-                    })?;
-                    Arc::new(whole.cracked_shape(model)?)
-                }
-            };
-            shapes.push(shape);
-        }
-        Ok(shapes)
+        let models = self.models.iter();
+        models.map(|model| Ok(Arc::new(model.shape()?))).collect()
     }
 }

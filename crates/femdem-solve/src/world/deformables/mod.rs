@@ -24,7 +24,7 @@ use nodal_bound::NodalBound;
 use serde::{Deserialize, Serialize};
 
 pub(super) use add::centroid;
-pub use fracture::{CrackFacet, Cracks};
+pub use fracture::{CrackFacet, Cracks, Parting};
 pub use query::Deformable;
 use rest::Rest;
 
@@ -124,20 +124,18 @@ pub(crate) struct Model {
     pub field: Field,
     /// Young's modulus of the stiffest material, Pa.
     pub young: f64,
-    /// Of a cracked body alone: the model without cracks.
-    pub cracked: Option<ModelId>,
+    /// Of a body that has cracked, or has broken off another, and has this model alone: the edge of the skin of the body that was
+    /// whole, m.
+    pub edge: Option<f64>,
 }
 
 impl Model {
     fn shape(&self) -> Result<DeformableShape, SolveError> {
         let (mesh, edges) = (self.model.mesh(), self.model.mid_edges());
-        Ok(DeformableShape::with_field(mesh, edges, self.field)?)
-    }
-
-    /// The contact shape of a body of this model that has cracked to be `cracked`.
-    fn cracked_shape(&self, cracked: &Self) -> Result<DeformableShape, SolveError> {
-        let mesh = cracked.model.mesh();
-        Ok(DeformableShape::cracked(self.model.mesh(), mesh)?)
+        Ok(match self.edge {
+            Some(edge) => DeformableShape::cracked(mesh, edge)?,
+            None => DeformableShape::with_field(mesh, edges, self.field)?,
+        })
     }
 
     /// The step that is stable for any node with its whole share of the skin in contact, s. The stiffest

@@ -149,20 +149,48 @@ impl Simulation {
             angular_velocity: Vector3::zeros(),
             material: supply.material,
         })?;
-        let x = place.translation.vector;
+        let name = format!("{} {}", supply.name, self.members.len());
+        let mass = supply.mass;
+        self.flow.supplies[k].come.add(1, mass);
+        self.join(Member {
+            name,
+            id,
+            placed: pose,
+            of: None,
+        });
+        Ok(())
+    }
+
+    /// Adds a member that has come in the run.
+    fn join(&mut self, member: Member) {
+        let x = self.world.position(member.id).unwrap_or_default();
         for gate in &mut self.flow.gates {
             let is_beyond = gate.is_beyond(&x);
             gate.beyond.push(is_beyond);
         }
-        let name = format!("{} {}", supply.name, self.members.len());
-        self.loads.add_member(&name);
-        self.members.push(Member {
-            name,
-            id,
-            placed: pose,
-        });
-        let mass = supply.mass;
-        self.flow.supplies[k].come.add(1, mass);
+        self.loads.add_member(&member.name);
+        self.members.push(member);
+    }
+
+    /// Makes members of the fragments that have become bodies.
+    pub(in crate::run) fn part_fragments(&mut self) -> Result<(), Error> {
+        let partings = self.world.part_fragments();
+        for parting in partings.map_err(|source| self.named(source))? {
+            let Some(whole) = self.member_of(parting.body) else {
+                continue;
+            };
+            let first = self.members[whole].of.unwrap_or(whole as u32);
+            for id in parting.fragments {
+                let Member { name, placed, .. } = &self.members[first as usize];
+                let member = Member {
+                    name: format!("{name} fragment {}", self.members.len()),
+                    id,
+                    placed: *placed,
+                    of: Some(first),
+                };
+                self.join(member);
+            }
+        }
         Ok(())
     }
 }

@@ -19,13 +19,6 @@ use femdem_fem::{DeformableModel, ElementStress};
 use femdem_mesh::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// A body that has just cracked, or cracked further.
-struct Cracked {
-    model: DeformableModel,
-    /// Whether it was whole before.
-    is_first: bool,
-}
-
 impl World {
     /// Looks at the stresses of the bodies that may break, and splits nodes where they exceed the strength. Called after each
     /// step.
@@ -46,7 +39,6 @@ impl World {
                 return Ok(None);
             }
             let model = &models[body.model as usize];
-            let base = body.cracks().map_or(body.model, |cracks| cracks.base);
             let shape = &batch.deformable_shapes()[body.model as usize];
             let modulus = batch.modulus(i as BodyId).unwrap_or(Modulus::Penalty(0.0));
             let material = batch.material(i as BodyId).unwrap_or_default();
@@ -57,8 +49,7 @@ impl World {
                 tangential: contact.tangential_ratio,
                 friction: contact.friction,
             };
-            let whole = &models[base as usize].model;
-            body.look(whole, &model.model, &faces, time, scratch)
+            body.look(&model.model, &faces, time, scratch)
         });
         let mut any = false;
         let before = self.stored_in_soft_contacts();
@@ -79,26 +70,26 @@ impl World {
     }
 
     /// Gives a body the model of its cracks.
-    fn crack(&mut self, id: BodyId, cracked: Cracked) -> Result<(), SolveError> {
+    fn crack(&mut self, id: BodyId, cracked: DeformableModel) -> Result<(), SolveError> {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
         deformables.bound = None;
         let number = deformables.bodies[id as usize].model;
-        if !cracked.is_first {
-            deformables.models[number as usize].model = cracked.model;
+        let old = &mut deformables.models[number as usize];
+        if old.edge.is_some() {
+            old.model = cracked;
             return self.reshape_cracked(id);
         }
-        let old = &deformables.models[number as usize];
+        let shape = Arc::clone(&self.batch.deformable_shapes()[number as usize]);
         let new = Model {
             name: old.name.clone(),
-            model: cracked.model,
+            model: cracked,
             stiffness: old.stiffness,
             field: old.field,
             young: old.young,
-            cracked: Some(number),
+            edge: Some(shape.edge()),
         };
-        let shape = Arc::clone(&self.batch.deformable_shapes()[number as usize]);
         deformables.models.push(new);
         let own = self.batch.add_deformable_shape(shape);
         deformables.bodies[id as usize].model = own;
@@ -164,41 +155,36 @@ impl Faces {
 }
 
 impl State {
-    /// Looks at the stresses, and cracks if they exceed the strength. `whole` is the model without cracks.
+    /// Looks at the stresses, and cracks if they exceed the strength.
     fn look(
         &mut self,
-        whole: &DeformableModel,
         model: &DeformableModel,
         faces: &Faces,
         time: f64,
         scratch: &mut Scratch,
-    ) -> Result<Option<Cracked>, SolveError> {
+    ) -> Result<Option<DeformableModel>, SolveError> {
         let Some(mut breakable) = self.breakable.take() else {
             return Ok(None);
         };
-        let is_first = breakable.cracks.is_none();
-        let next = self.crack(&mut breakable, [whole, model], faces, time);
+        let next = self.crack(&mut breakable, model, faces, time);
         self.breakable = Some(breakable);
         let Some(next) = next? else {
             return Ok(None);
         };
         self.strain(&next, scratch, time, true)?;
-        Ok(Some(Cracked {
-            model: next,
-            is_first,
-        }))
+        Ok(Some(next))
     }
 
     /// Cracks where the stresses exceed the strength; returns the model if any node is split.
     fn crack(
         &mut self,
         breakable: &mut Breakable,
-        [whole, model]: [&DeformableModel; 2],
+        model: &DeformableModel,
         faces: &Faces,
         time: f64,
     ) -> Result<Option<DeformableModel>, SolveError> {
         let stresses = model.stresses(&self.positions, &self.history)?;
-        let found = breakable.decide(self.model, model, &self.positions, &stresses)?;
+        let found = breakable.decide(model, &self.positions, &stresses)?;
         let Breakable {
             fracture,
             factors,
@@ -210,12 +196,13 @@ impl State {
         };
         if !found.cuts.is_empty() {
             let law = |height: f64| faces.law(fracture, height);
-            cracks.add(whole, &found, law, time)?;
+            cracks.add(model, &found, law, time)?;
         }
         if found.splits.is_empty() {
             return Ok(None);
         }
-        let next = model.cracked(cracks.mesh.mesh(whole.mesh().points())?)?;
+        // Nodes that are points come first.
+        let next = model.cracked(cracks.mesh.mesh(model.mesh().points())?)?;
         self.split(&next, &found, cracks)?;
         cracks.open(&self.positions, &stresses, &fracture.strength, factors);
         cracks.stiffen(self.positions.len());
@@ -293,19 +280,19 @@ impl CrackState {
     /// Adds joints for facets that have just been cut, none of whose pairs of nodes is split yet.
     fn add(
         &mut self,
-        whole: &DeformableModel,
+        model: &DeformableModel,
         found: &Decision,
         law: impl Fn(f64) -> GlueLaw,
         time: f64,
     ) -> Result<(), SolveError> {
         for cut in &found.cuts {
             let facet = self.mesh.facets().all()[cut.facet as usize];
-            let [a, b, c] = facet.points.map(|point| whole.nodes()[point as usize]);
+            let [a, b, c] = facet.points.map(|point| model.nodes()[point as usize]);
             let area = 0.5 * (b - a).cross(&(c - a)).norm();
             let volume: f64 = facet
                 .tets
                 .iter()
-                .map(|t| whole.volumes()[*t as usize])
+                .map(|t| model.volumes()[*t as usize])
                 .sum();
             let height = 1.5 * volume / area;
             let law = law(height);

@@ -1,9 +1,9 @@
 //! Bodies that may break, and which cannot.
 
-use super::CrackState;
+use super::{CrackFacet, CrackState};
 use crate::error::SolveError;
 use crate::fracture::Fracture;
-use crate::world::deformables::{ContactStiffness, Model, ModelId};
+use crate::world::deformables::{ContactStiffness, Model};
 use femdem_contact::{BodyId, Field};
 use femdem_fem::element::Element;
 use femdem_fem::fracture::{Decision, NodalDecision, Strength};
@@ -23,15 +23,19 @@ pub(crate) struct Breakable {
     pub fracture: Fracture,
     /// By point of the mesh, the factor of the strength there.
     pub factors: Vec<f64>,
+    /// By point, that of the mesh of the body that broke first.
+    pub points: Vec<u32>,
     /// No element whose strain |FᵀF − I| is below this fails.
     pub harmless: f64,
     /// Largest stress over strength at the last look.
     pub highest: f64,
+    /// Facets that are spent, as they were then.
+    pub spent: Vec<CrackFacet>,
     /// `None` as long as it is whole.
     pub cracks: Option<Box<CrackState>>,
     /// The mesh of a whole body, once its stresses are looked at.
     #[serde(skip)]
-    whole: Option<Box<CrackedMesh>>,
+    pub(super) whole: Option<Box<CrackedMesh>>,
 }
 
 impl Breakable {
@@ -46,8 +50,10 @@ impl Breakable {
         Self {
             harmless: MARGIN * 2.0 * weakest * least(&fracture.strength) / model.stiffest(),
             fracture,
+            points: (0..factors.len() as u32).collect(),
             factors,
             highest: 0.0,
+            spent: Vec::new(),
             cracks: None,
             whole: None,
         }
@@ -56,7 +62,6 @@ impl Breakable {
     /// Decides where it cracks now. A body that was whole then has no joints yet.
     pub fn decide(
         &mut self,
-        base: ModelId,
         model: &DeformableModel,
         positions: &[Vector3],
         stresses: &[ElementStress],
@@ -76,7 +81,7 @@ impl Breakable {
                 let found = decision.decide(&mut mesh)?;
                 if !found.splits.is_empty() {
                     let whole = CrackedMesh::new(model.mesh());
-                    self.cracks = Some(Box::new(CrackState::new(base, *mesh, whole)));
+                    self.cracks = Some(Box::new(CrackState::new(*mesh, whole)));
                 } else if found.cuts.is_empty() {
                     self.whole = Some(mesh);
                 }

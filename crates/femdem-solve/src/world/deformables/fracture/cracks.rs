@@ -4,7 +4,7 @@ use super::CrackFlows;
 use super::facet::CrackFacet;
 use super::joints::Joint;
 use crate::world::World;
-use crate::world::deformables::{ModelId, State};
+use crate::world::deformables::{Deformables, State};
 use femdem_contact::deform::NodalLoads;
 use femdem_mesh::Vector3;
 use femdem_mesh::tet::CrackedMesh;
@@ -16,16 +16,14 @@ const LOOKS: u64 = 4;
 /// The cracks of a body.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct CrackState {
-    /// The model without cracks.
-    pub base: ModelId,
     /// The mesh of the elements: all facets that are cut.
     pub mesh: CrackedMesh,
     /// The same with those facets alone that are spent.
     pub broken: CrackedMesh,
     /// In the order of their births.
     pub joints: Vec<Joint>,
-    /// Facets that are spent, as they were then.
-    pub spent: Vec<CrackFacet>,
+    /// Whether some have come to be spent since its parts were last looked for.
+    pub loosened: bool,
     /// Stored in the joints at the present positions, J.
     pub stored: f64,
     /// Exchanged, and not booked yet.
@@ -37,13 +35,12 @@ pub(crate) struct CrackState {
 
 impl CrackState {
     /// A body that has just cracked along `mesh`.
-    pub fn new(base: ModelId, mesh: CrackedMesh, whole: CrackedMesh) -> Self {
+    pub fn new(mesh: CrackedMesh, whole: CrackedMesh) -> Self {
         Self {
-            base,
             broken: whole,
             mesh,
             joints: Vec::new(),
-            spent: Vec::new(),
+            loosened: false,
             stored: 0.0,
             flows: CrackFlows::default(),
             stiffness: Vec::new(),
@@ -100,19 +97,19 @@ impl CrackState {
         }
     }
 
-    /// Takes spent joints off the list.
-    fn retire(&mut self, positions: &[Vector3]) {
+    /// Takes spent joints off the list, and adds them to `spent`. `nodes` are the places of the points of the mesh, m.
+    fn retire(&mut self, positions: &[Vector3], nodes: &[Vector3], spent: &mut Vec<CrackFacet>) {
         let Self {
+            mesh,
             joints,
             broken,
-            spent,
             ..
         } = self;
         let mut facets = Vec::new();
         joints.retain(|joint| {
             let is_spent = joint.glued.is_spent(&joint.law);
             if is_spent {
-                spent.push(CrackFacet::of(joint, positions));
+                spent.push(CrackFacet::of(joint, positions, mesh.facets(), nodes));
                 facets.push(joint.facet);
             }
             !is_spent
@@ -121,6 +118,7 @@ impl CrackState {
         let cut = broken.cut(&facets);
         debug_assert!(cut.is_ok(), "facets of this mesh");
         if !facets.is_empty() {
+            self.loosened = true;
             self.stiffen(positions.len());
         }
     }
@@ -133,7 +131,9 @@ impl World {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return;
         };
-        for body in &mut deformables.bodies {
+        let Deformables { models, bodies, .. } = deformables;
+        for body in bodies {
+            let nodes = models[body.model as usize].model.nodes();
             let State {
                 breakable,
                 positions,
@@ -145,7 +145,7 @@ impl World {
                 && !rest.asleep
                 && let Some(cracks) = breakable.cracks.as_deref_mut()
             {
-                cracks.retire(positions);
+                cracks.retire(positions, nodes, &mut breakable.spent);
             }
         }
     }

@@ -4,13 +4,16 @@ use super::joints::Joint;
 use femdem_contact::glue::MidSurface;
 use femdem_fem::fracture::FractureMode;
 use femdem_mesh::Vector3;
+use femdem_mesh::tet::Facets;
 use serde::{Deserialize, Serialize};
 
 /// A facet that is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CrackFacet {
-    /// Its number among the facets of the mesh.
-    pub facet: u32,
+    /// The elements beside it; `None` for one that is of another body now, which has this facet, too.
+    pub tets: [Option<u32>; 2],
+    /// Its corners in the reference state, m.
+    pub place: [Vector3; 3],
     /// Its corners midway between its sides, m.
     pub corners: [Vector3; 3],
     /// Mean opening and slip of its sides, m.
@@ -30,13 +33,21 @@ pub struct CrackFacet {
 }
 
 impl CrackFacet {
-    pub(super) fn of(joint: &Joint, positions: &[Vector3]) -> Self {
+    /// `facets` are those of the mesh, and `nodes` the places of its points, m.
+    pub(super) fn of(
+        joint: &Joint,
+        positions: &[Vector3],
+        facets: &Facets,
+        nodes: &[Vector3],
+    ) -> Self {
+        let facet = &facets.all()[joint.facet as usize];
         let [a, b] = joint.places(positions);
         let openings = MidSurface::new(&a, &b).map(|middle| middle.openings(&a, &b));
         let openings = openings.unwrap_or_default();
         let damage = joint.glued.damage(&joint.law);
         Self {
-            facet: joint.facet,
+            tets: facet.tets.map(Some),
+            place: facet.points.map(|point| nodes[point as usize]),
             corners: [0, 1, 2].map(|q| (a[q] + b[q]) * 0.5),
             opening: openings.iter().map(|o| o[0]).sum::<f64>() / 3.0,
             slip: openings.iter().map(|o| o[1].hypot(o[2])).sum::<f64>() / 3.0,

@@ -13,11 +13,13 @@ mod breakable;
 mod cracks;
 mod facet;
 mod joints;
+mod part;
 mod query;
 mod reshape;
 mod stored;
 
 pub use facet::CrackFacet;
+pub use part::Parting;
 pub use query::Cracks;
 
 pub(crate) use breakable::Breakable;

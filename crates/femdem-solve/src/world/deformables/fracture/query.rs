@@ -71,11 +71,18 @@ impl<'a> Cracks<'a> {
         broken.parts()
     }
 
-    /// The facets that carry nothing any more, as they were when that was seen, in that order.
+    /// By point of its mesh (by node while it is whole), the point of the mesh of the body that broke first: by these numbers a fragment
+    /// has the strengths that the body had there.
+    #[must_use]
+    pub fn points(&self) -> &'a [u32] {
+        &self.breakable.points
+    }
+
+    /// The facets that carry nothing any more, as they were when that was seen, in that order; also those along which it broke off
+    /// another body.
     #[must_use]
     pub fn spent(&self) -> &'a [CrackFacet] {
-        let cracks = self.breakable.cracks.as_deref();
-        cracks.map_or(&[], |cracks| &cracks.spent)
+        &self.breakable.spent
     }
 
     /// Energy of the facets that are not spent, J: in glue, and under the pressure of their birth.
@@ -87,10 +94,13 @@ impl<'a> Cracks<'a> {
 
     /// The facets that are cut and not spent, in the order in which they were cut.
     pub fn facets(&self) -> impl Iterator<Item = CrackFacet> + use<'a> {
-        let positions = self.positions;
+        let (positions, nodes) = (self.positions, self.model.model.nodes());
         let cracks = self.breakable.cracks.as_deref();
-        let joints = cracks.map_or(&[][..], |cracks| &cracks.joints);
-        joints.iter().map(|joint| CrackFacet::of(joint, positions))
+        cracks.into_iter().flat_map(move |cracks| {
+            let facets = cracks.mesh.facets();
+            let joints = cracks.joints.iter();
+            joints.map(move |joint| CrackFacet::of(joint, positions, facets, nodes))
+        })
     }
 }
 

@@ -23,17 +23,13 @@ impl World {
         let body = &mut bodies[id as usize];
         let own = body.model;
         let model = &models[own as usize];
-        let Some(base) = model.cracked else {
-            return Ok(());
-        };
-        let shape = models[base as usize].cracked_shape(model)?;
+        let shape = model.shape()?;
         self.batch
             .crack_deformable(id, own, Some(Arc::new(shape)))?;
         let shape = &self.batch.deformable_shapes()[own as usize];
         if let Some(modulus) = self.batch.modulus(id) {
             body.contact_step = model.contact_step(shape, modulus);
         }
-
         Ok(())
     }
 }

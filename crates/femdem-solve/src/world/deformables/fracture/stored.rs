@@ -1,30 +1,36 @@
 //! Whether what was read of cracks fits the body.
 
-use super::{Breakable, CrackState};
+use super::{Breakable, CrackFacet, CrackState};
 use crate::error::SolveError;
 use crate::world::deformables::Model;
 use crate::world::stored::inconsistent;
-use femdem_mesh::TetMesh;
-use femdem_mesh::tet::CrackedMesh;
 
 impl Breakable {
-    /// Refuses what does not fit together: `models` are those of the world, `own` that of the body.
-    pub fn check(&self, models: &[Model], own: &Model) -> Result<(), SolveError> {
+    /// Refuses what does not fit together: `own` is the model of the body.
+    pub fn check(&self, own: &Model) -> Result<(), SolveError> {
         self.fracture.validate()?;
-        let base = match &self.cracks {
-            None => Some(own),
-            Some(cracks) => models.get(cracks.base as usize),
-        };
         let wrong = |what: &str| inconsistent(format!("{what} of a body that may break is wrong"));
-        let whole = base
-            .filter(|base| base.cracked.is_none())
-            .ok_or_else(|| wrong("the model without cracks"))?;
-        let mesh = whole.model.mesh();
-        if self.factors.len() != mesh.points().len() {
-            return Err(wrong("the number of factors of strength"));
+        let nodes = own.model.nodes().len();
+        let points = match &self.cracks {
+            None => nodes,
+            Some(cracks) => {
+                let last = cracks.mesh.points().iter().max();
+                last.map_or(0, |last| *last as usize + 1)
+            }
+        };
+        let tets = own.model.mesh().tets().len();
+        let is_of = |facet: &CrackFacet| {
+            let own = facet.tets.iter().flatten();
+            own.into_iter().all(|t| (*t as usize) < tets)
+        };
+        if self.factors.len() != points || self.points.len() != points {
+            return Err(wrong("the number of points"));
+        }
+        if !self.spent.iter().all(is_of) {
+            return Err(wrong("a facet that is spent"));
         }
         match &self.cracks {
-            Some(cracks) => cracks.check(mesh, own).map_err(wrong),
+            Some(cracks) => cracks.check(own).map_err(wrong),
             None => Ok(()),
         }
     }
@@ -32,21 +38,23 @@ impl Breakable {
 
 impl CrackState {
     /// What is wrong with it.
-    fn check(&self, whole: &TetMesh, own: &Model) -> Result<(), &'static str> {
-        let is_of = |mesh: &CrackedMesh| {
-            let point = |node: u32| mesh.points()[node as usize];
-            let tets = mesh.tets().iter().map(|tet| tet.map(point));
-            tets.eq(whole.tets().iter().copied())
+    fn check(&self, own: &Model) -> Result<(), &'static str> {
+        // Nodes that are points have their numbers, and places.
+        let is_own = |(node, point): (u32, &u32)| {
+            let first = self.mesh.points().get(*point as usize);
+            *point <= node && first == Some(point)
         };
         let nodes = own.model.nodes().len();
         let joined = self.joints.iter().all(|joint| {
             Some(joint.sides) == self.mesh.sides(joint.facet) && joint.law.check().is_ok()
         });
-        if own.cracked.is_none() {
+        if own.edge.is_none() {
             Err("the model")
-        } else if !is_of(&self.mesh) || self.mesh.tets() != own.model.mesh().tets() {
+        } else if !(0..).zip(self.mesh.points()).all(is_own)
+            || self.mesh.tets() != own.model.mesh().tets()
+        {
             Err("the mesh of the cracks")
-        } else if !is_of(&self.broken) {
+        } else if !self.broken.whole_tets().eq(self.mesh.whole_tets()) {
             Err("the mesh of what is broken")
         } else if self.stiffness.len() != nodes || self.both.len() != nodes {
             Err("the stiffness at the nodes")
