@@ -1,4 +1,7 @@
 //! All tests of the public interface in one program, since each test file takes longer to link than to run.
 
 mod packing;
+mod ranks;
 mod specs;
+#[path = "../../femdem-solve/tests/common/ranks.rs"]
+mod threads;
