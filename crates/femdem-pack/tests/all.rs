@@ -3,5 +3,6 @@
 mod packing;
 mod ranks;
 mod specs;
+#[expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 #[path = "../../femdem-solve/tests/common/ranks.rs"]
 mod threads;
