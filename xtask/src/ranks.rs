@@ -26,8 +26,37 @@ const RUNS: [[usize; 2]; 6] = [[1, 1], [2, 1], [3, 1], [4, 1], [1, 2], [2, 2]];
 /// Steps after which one run is stopped, to go on with another number of ranks.
 const STOP: &str = "600";
 
-/// Builds the program, and compares every file of the frames of its runs with those of `femdem run`; returns whether all are the
-/// same.
+/// Options of the pack, which is relaxed on the way and at its end.
+const PACK: [&str; 8] = [
+    "--shape", "A10", "--shape", "cube", "--count", "150", "--box", "5x4",
+];
+
+/// Ranks that make the pack, one thread each.
+const PACKS: [usize; 3] = [1, 2, 4];
+
+/// Steps after which one pack is stopped, to go on with another number of ranks.
+const STOP_PACK: &str = "4000";
+
+/// Files of a pack that tell how it was made.
+const HOW: [&str; 2] = ["scene.toml", "pack.ckpt"];
+
+/// Entries of its summary that tell of costs, and of energies, which are sums of those of the ranks.
+const COSTS_AND_BOOKS: [&str; 11] = [
+    "threads",
+    "wall_seconds",
+    "cpu_seconds",
+    "contact_nanoseconds_per_pair",
+    "peak_memory_bytes",
+    "state_hash",
+    "initial",
+    "final",
+    "dissipated_friction",
+    "dissipated_damping",
+    "ledger_error_relative",
+];
+
+/// Builds the program, and compares every file of the frames of its runs, and of its packs, with those of `femdem`; returns
+/// whether all are the same.
 ///
 /// # Errors
 /// When it cannot be built, or MPI is missing and cannot be installed.
@@ -58,6 +87,10 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
         fs::remove_dir_all(&place)?;
     }
     fs::create_dir_all(&place)?;
+    Ok(runs_are_same(root, &programs, &place)? & packs_are_same(&programs, &place)?)
+}
+
+fn runs_are_same(root: &Path, programs: &Path, place: &Path) -> Result<bool> {
     let scene = root.join(PACKAGE).join(SCENE);
     let alone = place.join("alone");
     let mut femdem = Command::new(programs.join("femdem"));
@@ -72,13 +105,36 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
         let mut command = over(ranks, &mpi);
         command.arg("run").arg(&scene).arg("--out").arg(&out);
         command.args(["--threads", &threads.to_string()]);
-        good &= passed(&mut command)? && same(&alone, &out)?;
+        good &= passed(&mut command)? && same(&alone, &out, "frames")?;
     }
     let out = place.join("restart");
     let mut command = over(4, &mpi);
     command.arg("run").arg(&scene).arg("--out").arg(&out);
     good &= passed(command.args(["--steps", STOP]))?;
-    good &= passed(over(3, &mpi).arg("resume").arg(&out))? && same(&alone, &out)?;
+    good &= passed(over(3, &mpi).arg("resume").arg(&out))? && same(&alone, &out, "frames")?;
+    Ok(good)
+}
+
+fn packs_are_same(programs: &Path, place: &Path) -> Result<bool> {
+    let alone = place.join("pack");
+    let mut femdem = Command::new(programs.join("femdem"));
+    femdem.arg("pack").args(PACK).arg("--out").arg(&alone);
+    ensure!(passed(femdem.arg("--quiet"))?, "femdem pack has failed");
+    let mpi = programs.join("femdem-mpi");
+    let pack = |ranks: usize, steps: &[&str], out: &Path| {
+        let mut command = over(ranks, &mpi);
+        command.arg("pack").args(steps).args(PACK);
+        passed(command.arg("--out").arg(out))
+    };
+    let mut good = true;
+    for ranks in PACKS {
+        println!("a pack on {ranks} ranks");
+        let out = place.join(format!("pack-{ranks}"));
+        good &= pack(ranks, &[], &out)? && same(&alone, &out, "")?;
+    }
+    let out = place.join("pack-restart");
+    good &= pack(3, &["--steps", STOP_PACK], &out)?;
+    good &= passed(over(2, &mpi).arg("resume").arg(&out))? && same(&alone, &out, "")?;
     Ok(good)
 }
 
@@ -102,9 +158,9 @@ fn over(ranks: usize, program: &Path) -> Command {
     command
 }
 
-/// Whether two runs have the same frames, to the last byte.
-fn same(a: &Path, b: &Path) -> Result<bool> {
-    let mut folders = vec![PathBuf::from("frames")];
+/// Whether two runs or packs have the same files within a folder, to the last byte.
+fn same(a: &Path, b: &Path, within: &str) -> Result<bool> {
+    let mut folders = vec![PathBuf::from(within)];
     let (mut good, mut count) = (true, 0);
     while let Some(folder) = folders.pop() {
         let here = a.join(&folder);
@@ -116,8 +172,17 @@ fn same(a: &Path, b: &Path) -> Result<bool> {
                 folders.push(name);
                 continue;
             }
+            if HOW.iter().any(|how| name == Path::new(how)) {
+                continue;
+            }
             count += 1;
-            let equal = fs::read(a.join(&name)).ok() == fs::read(b.join(&name)).ok();
+            let [own, other] = [a, b].map(|run| fs::read(run.join(&name)).ok());
+            let equal = match &*name.to_string_lossy() {
+                "summary.json" => {
+                    own.map(|text| results(&text)) == other.map(|text| results(&text))
+                }
+                _ => own == other,
+            };
             if !equal {
                 println!("{} differs in {}", name.display(), b.display());
             }
@@ -125,6 +190,16 @@ fn same(a: &Path, b: &Path) -> Result<bool> {
         }
     }
     Ok(good && count > 0)
+}
+
+/// The lines of a summary that tell of results.
+fn results(summary: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(summary);
+    let tells = |line: &&str| {
+        let key = line.trim().split('"').nth(1).unwrap_or_default();
+        !COSTS_AND_BOOKS.contains(&key)
+    };
+    text.lines().filter(tells).map(str::to_owned).collect()
 }
 
 #[cfg(test)]
@@ -135,13 +210,22 @@ mod tests {
     fn frames_that_differ_or_are_not_there_are_noticed() {
         let folder = std::env::temp_dir().join(format!("femdem-ranks-{}", std::process::id()));
         let [a, b] = ["a", "b"].map(|name| folder.join(name));
+        let summary = |seconds: u32, settled: bool| {
+            format!("{{\n  \"wall_seconds\": {seconds},\n  \"settled\": {settled}\n}}\n")
+        };
         for (run, text) in [(&a, "1"), (&b, "2")] {
             fs::create_dir_all(run.join("frames/0")).unwrap();
             fs::write(run.join("frames/0/x"), text).unwrap();
         }
-        assert!(same(&a, &a).unwrap() && !same(&a, &b).unwrap());
+        assert!(same(&a, &a, "frames").unwrap() && !same(&a, &b, "frames").unwrap());
         fs::remove_file(b.join("frames/0/x")).unwrap();
-        assert!(!same(&a, &b).unwrap());
+        assert!(!same(&a, &b, "frames").unwrap());
+        fs::write(b.join("frames/0/x"), "1").unwrap();
+        fs::write(a.join("summary.json"), summary(1, true)).unwrap();
+        fs::write(b.join("summary.json"), summary(2, true)).unwrap();
+        assert!(same(&a, &b, "").unwrap());
+        fs::write(b.join("summary.json"), summary(1, false)).unwrap();
+        assert!(!same(&a, &b, "").unwrap());
         fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -1,16 +1,12 @@
 //! A run over ranks: the first one keeps the books and writes the files.
 
-use anyhow::{Context, Result, ensure};
+use crate::cost::{Cost, make_folder};
+use anyhow::{Result, ensure};
 use femdem::Usage;
 use femdem::run::{Run, Scenario};
-use femdem::solve::{Halo, World, WorldParameters, processor_time};
+use femdem::solve::{Halo, World, WorldParameters};
 use femdem_mpi::MpiHalo;
-use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-
-/// Seconds between two lines of progress.
-const BREATH: Duration = Duration::from_secs(10);
 
 /// A run of which each rank has a part.
 pub(crate) struct Job {
@@ -20,7 +16,7 @@ pub(crate) struct Job {
     folder: PathBuf,
     /// On the first rank.
     run: Option<Run>,
-    before: Usage,
+    cost: Cost,
 }
 
 impl Job {
@@ -33,18 +29,7 @@ impl Job {
         let folder = scenario.out.clone();
         let run = Run::new(scenario)?;
         if halo.rank() == 0 {
-            fs::create_dir_all(&folder)
-                .with_context(|| format!("cannot make {}", folder.display()))?;
-            let mut files = fs::read_dir(&folder)
-                .with_context(|| format!("cannot read {}", folder.display()))?;
-            ensure!(
-                files.next().is_none(),
-                "{} holds files: name another folder by --out",
-                folder.display()
-            );
-            let text = run.scenario().to_toml()?;
-            fs::write(folder.join("scene.toml"), text)
-                .with_context(|| format!("cannot write into {}", folder.display()))?;
+            make_folder(&folder, &run.scenario().to_toml()?)?;
         }
         Self::share(run, folder, Usage::default(), halo)
     }
@@ -77,14 +62,13 @@ impl Job {
             scenario: run.scenario().clone(),
             folder,
             run: (halo.rank() == 0).then_some(run),
-            before,
+            cost: Cost::after(before),
         })
     }
 
     /// Steps to the end of the run, or so many steps, with a checkpoint after at most `every` seconds and at the end.
     pub fn go_on(mut self, every: f64, steps: Option<u64>, halo: &mut MpiHalo) -> Result<()> {
         let last = steps.map_or(u64::MAX, |steps| self.world.steps().saturating_add(steps));
-        let (start, mut saved, mut told) = (Instant::now(), Instant::now(), Instant::now());
         let mut due = self.next_due(halo)?;
         let mut ends = false;
         while !ends && self.world.steps() < last {
@@ -98,25 +82,18 @@ impl Job {
             if time >= due {
                 self.catch_up(halo)?;
                 due = self.next_due(halo)?;
-                // The first rank says whether it is time for a checkpoint.
-                if self.is_time(saved.elapsed().as_secs_f64() >= every, halo)? {
-                    self.save(&start, halo)?;
-                    saved = Instant::now();
+                if self.cost.is_save_due(every, halo)? {
+                    self.save(halo)?;
                 }
             }
-            if halo.rank() == 0 && told.elapsed() >= BREATH {
-                told = Instant::now();
-                let spent = start.elapsed().as_secs_f64();
-                println!(
-                    "{time:.6} of {} s, {spent:.0} s so far",
-                    self.scenario.duration
-                );
-            }
+            let duration = self.scenario.duration;
+            self.cost
+                .tell(halo, || format!("{time:.6} of {duration} s"));
         }
         if !ends {
             self.catch_up(halo)?;
         }
-        self.finish(&start, halo)
+        self.finish(halo)
     }
 
     /// When the first rank must see the world next, s.
@@ -124,13 +101,6 @@ impl Job {
         let mut due = [self.run.as_ref().map_or(f64::INFINITY, Run::next_due)];
         halo.least(&mut due)?;
         Ok(due[0])
-    }
-
-    fn is_time(&self, so: bool, halo: &mut MpiHalo) -> Result<bool> {
-        let says = if self.run.is_some() && so { 0.0 } else { 1.0 };
-        let mut least = [says];
-        halo.least(&mut least)?;
-        Ok(least[0] == 0.0)
     }
 
     /// Shows the first rank all bodies, which writes what is due.
@@ -142,32 +112,8 @@ impl Job {
         Ok(())
     }
 
-    /// The cost so far, of all ranks together.
-    fn usage(&self, start: &Instant, halo: &mut MpiHalo) -> Result<Usage> {
-        let nanoseconds = |time: Duration| time.as_nanos() as u64;
-        let counters = self.world.counters();
-        let mut sums = [
-            processor_time().map_or(0, nanoseconds),
-            nanoseconds(counters.contact_time),
-            counters.touching_evaluations,
-            rayon::current_num_threads() as u64,
-        ];
-        halo.sum(&mut sums)?;
-        let [all, contact, touching, threads] = sums;
-        let before = &self.before;
-        Ok(Usage {
-            threads: threads as usize,
-            wall_seconds: before.wall_seconds + start.elapsed().as_secs_f64(),
-            cpu_seconds: processor_time()
-                .map(|_| before.cpu_seconds.unwrap_or_default() + all as f64 * 1e-9),
-            peak_memory_bytes: before.peak_memory_bytes,
-            contact_seconds: before.contact_seconds + contact as f64 * 1e-9,
-            touching_evaluations: before.touching_evaluations + touching,
-        })
-    }
-
-    fn save(&mut self, start: &Instant, halo: &mut MpiHalo) -> Result<()> {
-        let usage = self.usage(start, halo)?;
+    fn save(&mut self, halo: &mut MpiHalo) -> Result<()> {
+        let usage = self.cost.usage(self.world.counters(), halo)?;
         if let Some(run) = &mut self.run {
             run.flush(&self.folder)?;
             run.save(&self.folder, &usage)?;
@@ -175,8 +121,8 @@ impl Job {
         Ok(())
     }
 
-    fn finish(mut self, start: &Instant, halo: &mut MpiHalo) -> Result<()> {
-        let usage = self.usage(start, halo)?;
+    fn finish(mut self, halo: &mut MpiHalo) -> Result<()> {
+        let usage = self.cost.usage(self.world.counters(), halo)?;
         let Some(mut run) = self.run.take() else {
             return Ok(());
         };

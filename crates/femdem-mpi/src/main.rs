@@ -1,21 +1,28 @@
-//! `femdem-mpi`: scenes of rigid bodies over several processes.
+//! `femdem-mpi`: packs and scenes of rigid bodies over several processes.
 //!
-//! `mpirun -n 4 femdem-mpi run scene.toml`; the results are those of `femdem run`, to the last bit of the motion.
+//! `mpirun -n 4 femdem-mpi pack --count 10000` and `mpirun -n 4 femdem-mpi run scene.toml`; the results are those of
+//! `femdem pack` and `femdem run`, to the last bit of the motion.
 
+mod cost;
 mod job;
+mod pack;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result, ensure};
 use clap::{Args, Parser, Subcommand};
+use femdem::program::pack_scene;
+use femdem::results::PACK_CHECKPOINT;
 use femdem::solve::Halo;
 use femdem_mpi::MpiHalo;
 use job::Job;
 use mpi::Threading;
+use pack::Pack;
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Runs scenes of rigid bodies over the processes that mpirun starts.
+/// Makes packs and runs scenes of rigid bodies over the processes that mpirun starts.
 #[derive(Parser)]
 #[command(name = "femdem-mpi", version)]
 struct Cli {
@@ -25,6 +32,19 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
+    /// Pack bodies, as `femdem pack` does
+    Pack {
+        /// Stop after so many steps, with a checkpoint; before the others
+        #[arg(long, value_name = "N")]
+        steps: Option<u64>,
+        /// Scene file and options of `femdem pack`; --threads are those of each rank [default: 1]
+        #[arg(
+            value_name = "OPTIONS",
+            trailing_var_arg = true,
+            allow_hyphen_values = true
+        )]
+        words: Vec<OsString>,
+    },
     /// Run a scene
     Run {
         /// Scene file (TOML), as of `femdem run`
@@ -35,7 +55,7 @@ enum Task {
         #[command(flatten)]
         options: Options,
     },
-    /// Go on with a run, of `femdem run` or over any number of ranks
+    /// Go on with a pack or a run, of `femdem` or over any number of ranks
     Resume {
         /// Its folder
         folder: PathBuf,
@@ -80,19 +100,46 @@ fn main() -> ExitCode {
 }
 
 fn work(cli: Cli, halo: &mut MpiHalo) -> Result<()> {
-    let (Task::Run { options, .. } | Task::Resume { options, .. }) = &cli.command;
+    match cli.command {
+        Task::Pack { steps, words } => {
+            let scene = pack_scene(words).map_err(Error::msg)?;
+            start_threads(scene.threads)?;
+            Pack::begin(&scene, halo)?.go_on(scene.checkpoint_every, steps, halo)
+        }
+        Task::Run {
+            scene,
+            out,
+            options,
+        } => {
+            let every = options.take()?;
+            Job::begin(&scene, out, halo)?.go_on(every, options.steps, halo)
+        }
+        Task::Resume { folder, options } => {
+            let every = options.take()?;
+            if folder.join(PACK_CHECKPOINT).is_file() {
+                return Pack::resume(&folder, halo)?.go_on(every, options.steps, halo);
+            }
+            Job::resume(&folder, halo)?.go_on(every, options.steps, halo)
+        }
+    }
+}
+
+impl Options {
+    /// Starts the threads, and returns the seconds between checkpoints.
+    fn take(&self) -> Result<f64> {
+        start_threads(self.threads.map(NonZeroUsize::get))?;
+        let every = self.checkpoint_every;
+        ensure!(
+            every > 0.0,
+            "--checkpoint-every {every} is not allowed: it must be more than 0, in s"
+        );
+        Ok(every)
+    }
+}
+
+fn start_threads(threads: Option<usize>) -> Result<()> {
     rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.map_or(1, NonZeroUsize::get))
+        .num_threads(threads.unwrap_or(1))
         .build_global()
-        .context("the threads cannot be started")?;
-    let (every, steps) = (options.checkpoint_every, options.steps);
-    anyhow::ensure!(
-        every > 0.0,
-        "--checkpoint-every {every} is not allowed: it must be more than 0, in s"
-    );
-    let job = match cli.command {
-        Task::Run { scene, out, .. } => Job::begin(&scene, out, halo)?,
-        Task::Resume { folder, .. } => Job::resume(&folder, halo)?,
-    };
-    job.go_on(every, steps, halo)
+        .context("the threads cannot be started")
 }

@@ -1,6 +1,6 @@
 //! The state of a pack in numbers.
 
-use crate::packing::top::mean_top;
+use crate::packing::top::{mean_top, place_and_top};
 use femdem_contact::BodyId;
 use femdem_solve::World;
 use serde::{Deserialize, Serialize};
@@ -103,7 +103,11 @@ impl PackReport {
             .filter(|c| c.area > 0.0)
             .map(|c| c.penetration() / diameter)
             .collect();
-        let bodies = world.body_ids().filter_map(|body| world.bounds(body));
+        let places = || {
+            world
+                .body_ids()
+                .filter_map(|body| place_and_top(world, body))
+        };
         Self {
             settled,
             bodies: u32::try_from(world.body_count()).unwrap_or(u32::MAX),
@@ -112,8 +116,8 @@ impl PackReport {
             penalty,
             time: world.time(),
             steps: world.steps(),
-            top: bodies.map(|(_, high)| high.z).fold(0.0, f64::max),
-            mean_top: mean_top(world, diameter),
+            top: places().map(|(_, top)| top).fold(0.0, f64::max),
+            mean_top: mean_top(places(), world.cell(), diameter),
             residual_mean_over_weight: residuals.mean_over_weight,
             residual_max_over_weight: residuals.max_over_weight,
             residual_max_over_load: residuals.max_over_load,

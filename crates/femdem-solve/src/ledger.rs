@@ -64,7 +64,7 @@ pub(crate) struct Pending {
 }
 
 impl AddAssign for Flows {
-    /// The flows of another part of a world that steps explicitly.
+    /// The flows of another part of a world.
     fn add_assign(&mut self, other: Self) {
         for (sum, part) in [
             (&mut self.work_in, other.work_in),
@@ -86,6 +86,8 @@ impl AddAssign for Flows {
         ] {
             *sum += part;
         }
+        // One part takes the implicit steps.
+        self.pending = self.pending.or(other.pending);
         self.cracks += other.cracks;
         for (sum, part) in self.last.iter_mut().zip(other.last) {
             *sum += part;

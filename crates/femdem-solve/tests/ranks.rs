@@ -7,7 +7,9 @@ use femdem_contact::{ContactParameters, MaterialId, Wall};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Translation3, UnitQuaternion};
 use femdem_mesh::{Pose, Vector3};
-use femdem_solve::{BodySpec, Drive, Halo, World, WorldParameters};
+use femdem_solve::{
+    Alone, BodySpec, Drive, Halo, ImplicitStep, TimeStepParameters, World, WorldParameters,
+};
 
 const D: f64 = 0.05;
 
@@ -78,46 +80,32 @@ fn pile(sleeping: bool) -> World {
 
 /// What the ranks have made of it: the whole, how many bodies changed their rank, and bytes a step and guest.
 fn on_ranks(world: &World, size: usize, steps: u32) -> (World, usize, f64) {
-    let mut all = None;
-    let (mut moved, mut traffic) = (0, 0.0_f64);
-    std::thread::scope(|scope| {
-        let ranks: Vec<_> = Threads::of(size)
-            .into_iter()
-            .map(|mut halo| {
-                let mut world = world.clone();
-                scope.spawn(move || {
-                    world.share_out(&mut halo).unwrap();
-                    let own = |world: &World| -> Vec<u32> {
-                        let ids = world.rigid_ids().filter(|id| !world.is_guest(*id));
-                        ids.filter_map(|id| world.number_in_whole(id)).collect()
-                    };
-                    let before = own(&world);
-                    let mut guests = 0;
-                    halo.sent = 0;
-                    for _ in 0..steps {
-                        world.step_on(&mut halo).unwrap();
-                        guests += world.rigid_ids().filter(|id| world.is_guest(*id)).count();
-                    }
-                    let after = own(&world);
-                    let came = after.iter().filter(|n| before.binary_search(n).is_err());
-                    let whole = world.gather(&mut halo).unwrap();
-                    (whole, came.count(), halo.sent, guests)
-                })
-            })
-            .collect();
-        let mut totals = (0, 0);
-        for (rank, thread) in ranks.into_iter().enumerate() {
-            let (whole, came, sent, guests) = thread.join().unwrap();
-            moved += came;
-            totals = (totals.0 + sent, totals.1 + guests);
-            assert_eq!(whole.is_some(), rank == 0);
-            if whole.is_some() {
-                all = whole;
-            }
+    let parts = Threads::each(size, |halo| {
+        let mut world = world.clone();
+        world.share_out(halo).unwrap();
+        let own = |world: &World| -> Vec<u32> {
+            let ids = world.own_bodies(0);
+            ids.filter_map(|id| world.number_in_whole(id)).collect()
+        };
+        let before = own(&world);
+        let mut guests = 0;
+        halo.sent = 0;
+        for _ in 0..steps {
+            world.step_on(halo).unwrap();
+            guests += world.rigid_ids().filter(|id| world.is_guest(*id)).count();
         }
-        traffic = totals.0 as f64 / totals.1.max(1) as f64;
+        let after = own(&world);
+        let came = after.iter().filter(|n| before.binary_search(n).is_err());
+        (world.gather(halo).unwrap(), came.count(), halo.sent, guests)
     });
-    (all.unwrap(), moved, traffic)
+    let there: Vec<bool> = parts.iter().map(|part| part.0.is_some()).collect();
+    assert!(there[0] && !there[1..].contains(&true));
+    let moved = parts.iter().map(|part| part.1).sum();
+    let sent: usize = parts.iter().map(|part| part.2).sum();
+    let guests: usize = parts.iter().map(|part| part.3).sum();
+    let traffic = sent as f64 / guests.max(1) as f64;
+    let whole = parts.into_iter().next().unwrap().0;
+    (whole.unwrap(), moved, traffic)
 }
 
 #[test]
@@ -155,13 +143,87 @@ fn any_number_of_ranks_gives_the_same_bits() {
     }
 }
 
+/// Steps of both kinds, with bodies that come on the way; one of them lowers the step of all.
+fn course(world: &mut World, halo: &mut dyn Halo) {
+    let steps = |world: &mut World, halo: &mut dyn Halo, count: u32| {
+        for _ in 0..count {
+            world.step_on(halo).unwrap();
+        }
+    };
+    let usual = world.parameters().time_step;
+    let implicit = TimeStepParameters {
+        implicit: Some(ImplicitStep::default()),
+        ..usual
+    };
+    steps(world, halo, 700);
+    for k in 0..14 {
+        let at = Vector3::new(f64::from(k % 7) + 0.6, f64::from(k / 7) + 0.6, 10.0) * (1.4 * D);
+        let pose = Pose::from_parts(Translation3::from(at), UnitQuaternion::identity());
+        let shape = if k == 3 { 4 } else { k % 4 };
+        let spec = BodySpec {
+            velocity: Vector3::new(0.0, 0.0, -6.0),
+            ..BodySpec::at_rest(shape, 2500.0, pose)
+        };
+        let number = world.add_body(spec).unwrap();
+        assert_eq!(number as usize, COUNT + k as usize);
+        assert_eq!(world.count_in_whole(), COUNT + k as usize + 1);
+    }
+    // The contacts of the new ones are not known yet when the steps become implicit.
+    world.set_time_step(implicit).unwrap();
+    steps(world, halo, 8);
+    world.set_time_step(usual).unwrap();
+    steps(world, halo, 700);
+    world.set_sleeping(false);
+    world.set_time_step(implicit).unwrap();
+    for _ in 0..60 {
+        world.step_on(halo).unwrap();
+        if world.is_slowing_on(halo).unwrap() {
+            world.stop();
+        }
+    }
+    world.step_explicitly().unwrap();
+    steps(world, halo, 200);
+}
+
+#[test]
+fn bodies_may_come_and_steps_be_implicit() {
+    let mut world = pile(true);
+    world.add_sphere("bead", 0.2 * D).unwrap();
+    let mut alone = world.clone();
+    course(&mut alone, &mut Alone);
+    let expected = alone.checksum_of_motion().unwrap();
+    let places = |world: &World, halo: &mut dyn Halo| {
+        let place = |world: &World, id| world.position(id).unwrap();
+        world.of_whole(halo, place).unwrap()
+    };
+    let all = places(&alone, &mut Alone);
+    for size in [1, 2, 3, 4] {
+        let parts = Threads::each(size, |halo| {
+            let mut world = world.clone();
+            world.share_out(halo).unwrap();
+            course(&mut world, halo);
+            assert_eq!(places(&world, halo), all);
+            world.gather(halo).unwrap()
+        });
+        let whole = parts.into_iter().next().unwrap().unwrap();
+        assert_eq!(
+            whole.checksum_of_motion().unwrap(),
+            expected,
+            "{size} ranks"
+        );
+        let books = [&alone, &whole].map(World::ledger);
+        let missing = (books[0].error() - books[1].error()).abs();
+        assert!(missing < 1e-9 * books[0].exchanged, "{missing:e}");
+    }
+}
+
 #[test]
 fn what_cannot_be_shared_is_said() {
     let halos = &mut Threads::of(2);
     let mut world = pile(true);
     let stepped = world.step_on(&mut halos[0]).unwrap_err().to_string();
     assert!(stepped.contains("was not shared out"), "{stepped}");
-    world.share_out(&mut femdem_solve::Alone).unwrap();
+    world.share_out(&mut Alone).unwrap();
     assert!(
         world
             .step()
@@ -170,8 +232,14 @@ fn what_cannot_be_shared_is_said() {
             .contains("gather it first")
     );
     assert_eq!(halos[1].rank(), 1);
+    let mut world = pile(true);
+    world.remove_body(3).unwrap();
+    world.share_out(&mut Alone).unwrap();
+    let spec = BodySpec::at_rest(0, 2500.0, Pose::translation(0.3, 0.1, 1.0));
+    let refused = world.add_body(spec).unwrap_err().to_string();
+    assert!(refused.contains("were removed"), "{refused}");
     let mut driven = pile(true);
     driven.drive_body(0, Some(Drive::Fixed)).unwrap();
-    let refused = driven.share_out(&mut femdem_solve::Alone).unwrap_err();
+    let refused = driven.share_out(&mut Alone).unwrap_err();
     assert!(refused.to_string().contains("driven bodies"), "{refused}");
 }

@@ -181,7 +181,7 @@ pub(crate) struct PairTable {
     pub(super) free: Vec<u32>,
     pub(super) neighbours: Vec<Vec<Neighbour>>,
     pub(super) order: Vec<u32>,
-    changed: bool,
+    pub(super) changed: bool,
     kinds: Vec<Kind>,
     /// Whether a body belongs to another batch; none does if the list is too short.
     pub(super) guests: Vec<bool>,

@@ -144,6 +144,16 @@ impl ContactBatch {
         Ok(())
     }
 
+    /// Adds a body of another batch that comes near those of this one, as [`add_body`](Self::add_body) does there.
+    ///
+    /// # Errors
+    /// As [`add_body`](Self::add_body).
+    pub fn add_guest(&mut self, shape: u32) -> Result<BodyId, ContactError> {
+        let body = self.add_body(shape)?;
+        self.pairs.set_guest(body as usize);
+        Ok(body)
+    }
+
     /// The loads on walls anew, from the contacts of awake bodies that are no guests, in the order of an update.
     fn sum_wall_loads(&mut self) {
         self.sums.walls.fill(Load::default());
@@ -168,6 +178,14 @@ fn no_such(what: &'static str, index: usize, count: usize) -> ContactError {
 }
 
 impl PairTable {
+    fn set_guest(&mut self, body: usize) {
+        if body >= self.guests.len() {
+            self.guests.resize(body + 1, false);
+        }
+        self.guests[body] = true;
+        self.changed = true;
+    }
+
     /// Takes all pairs but those of two guests, and of a guest with a wall.
     fn take(&mut self) -> Vec<Pair> {
         let free: BTreeSet<u32> = self.free.drain(..).collect();

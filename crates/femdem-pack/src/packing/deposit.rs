@@ -1,10 +1,11 @@
 //! Depositing: when the next bodies are released, and where.
 
+use super::ranks::is_on_all;
 use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::placement::{self, Start};
 use crate::protocol::{Pour, Protocol, Sequential};
-use femdem_solve::BodySpec;
+use femdem_solve::{BodySpec, Halo};
 
 /// A batch has landed when its bodies have been at rest for this long, in units of sqrt(d/g); the
 /// turning point of an impact is shorter.
@@ -14,23 +15,23 @@ const REST: f64 = 0.1;
 const POUR_HEAD: f64 = 1.0;
 
 impl Packing {
-    pub(super) fn step_deposition(&mut self) -> Result<(), PackError> {
-        self.world.step()?;
+    pub(super) fn step_deposition(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
+        self.world.step_on(halo)?;
         if self.job.relaxing.is_some() {
-            return self.step_relaxation();
+            return self.step_relaxation(halo);
         }
         if self.world.time() >= self.job.next_check {
             self.guard()?;
             self.wait_for_next_check();
         }
-        self.release_if_due()
+        self.release_if_due(halo)
     }
 
     /// Releases the next bodies if they are due, or begins settling if none are left.
-    pub(super) fn release_if_due(&mut self) -> Result<(), PackError> {
+    pub(super) fn release_if_due(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
         let first = self.placed();
         let due = match self.job.spec.protocol {
-            Protocol::Sequential(s) => self.may_follow(&s),
+            Protocol::Sequential(s) => self.may_follow(&s, halo)?,
             Protocol::Pour(p) => self.world.time() >= self.next_layer(&p),
             Protocol::Release(_) => true,
         };
@@ -38,10 +39,10 @@ impl Packing {
             return Ok(());
         }
         if matches!(self.job.spec.protocol, Protocol::Sequential(_)) && self.is_relaxation_due() {
-            self.begin_relaxation()?;
+            self.begin_relaxation(halo)?;
             return Ok(());
         }
-        self.update_top();
+        self.update_top(halo)?;
         if first >= self.job.spec.count {
             self.enter(Stage::Settling);
             return Ok(());
@@ -96,18 +97,23 @@ impl Packing {
     }
 
     /// Whether the next batch may be released: the last one has landed, or its time is over.
-    fn may_follow(&mut self, sequential: &Sequential) -> bool {
+    fn may_follow(
+        &mut self,
+        sequential: &Sequential,
+        halo: &mut dyn Halo,
+    ) -> Result<bool, PackError> {
         let now = self.world.time();
         let unit = self.job.spec.time_unit();
-        if !self.is_batch_at_rest(sequential.landing.kinetic_energy) {
+        let rests = self.is_batch_at_rest(sequential.landing.kinetic_energy);
+        if !is_on_all(rests, halo)? {
             self.job.landed_since = None;
             let longest = self.fall_time() + sequential.landing.longest_wait * unit;
             let over = now - self.job.released > longest;
             self.job.cut_short += u32::from(over);
-            return over;
+            return Ok(over);
         }
         let since = *self.job.landed_since.get_or_insert(now);
-        self.job.batches.is_empty() || now - since >= REST * unit
+        Ok(self.job.batches.is_empty() || now - since >= REST * unit)
     }
 
     /// Time of free fall from the highest start to the floor, s.
@@ -115,12 +121,12 @@ impl Packing {
         (2.0 * self.job.highest_start / self.job.spec.gravity).sqrt()
     }
 
-    /// Whether every body of the last batch touches something and has a kinetic energy below
+    /// Whether every body of the last batch that is here touches something and has a kinetic energy below
     /// `limit` m g d, or sleeps.
     fn is_batch_at_rest(&self, limit: f64) -> bool {
         let first = self.job.batches.last().copied().unwrap_or(0);
         let limit = limit * self.job.spec.gravity * self.job.spec.diameter();
-        (first..self.placed()).all(|body| {
+        self.world.own_bodies(first).all(|body| {
             let energy = self.world.body_kinetic_energy(body);
             let moving = energy.zip(self.world.mass(body));
             let rests = moving.is_some_and(|(energy, mass)| energy < limit * mass);

@@ -2,6 +2,7 @@
 //! pack.
 
 mod deposit;
+mod ranks;
 mod relax;
 mod settle;
 mod surface;
@@ -11,7 +12,7 @@ use crate::error::PackError;
 use crate::report::{PackReport, Relaxation, Verification};
 use crate::spec::PackSpec;
 use femdem_contact::BodyId;
-use femdem_solve::{Drive, World};
+use femdem_solve::{Alone, Drive, Halo, World};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -59,7 +60,7 @@ pub struct Progress {
     pub time: f64,
     /// Steps taken.
     pub steps: u64,
-    /// Bodies awake.
+    /// Bodies awake; of this rank in a job that is [shared out](Packing::share_out).
     pub awake: usize,
 }
 
@@ -132,9 +133,9 @@ impl TryFrom<Stored> for Packing {
         let placed = job
             .batches
             .last()
-            .is_none_or(|&b| (b as usize) < world.body_count());
+            .is_none_or(|&b| (b as usize) < world.count_in_whole());
         let known = world.shapes().len() == job.spec.shapes.len();
-        let counted = world.body_count() <= job.spec.count as usize;
+        let counted = world.count_in_whole() <= job.spec.count as usize;
         if !(first && rising && placed && known && counted) {
             return Err(PackError::Inconsistent {
                 what: "the batches do not belong to the bodies",
@@ -189,7 +190,7 @@ impl Packing {
             verification: None,
         };
         let mut packing = Self { world, job };
-        packing.release_if_due()?;
+        packing.release_if_due(&mut Alone)?;
         Ok(packing)
     }
 
@@ -200,11 +201,19 @@ impl Packing {
     /// [`PackError::Solve`] is a simulation that has blown up. The job can then not be continued; continue from
     /// an earlier checkpoint.
     pub fn advance(&mut self, steps: u64) -> Result<Progress, PackError> {
+        self.advance_on(steps, &mut Alone)
+    }
+
+    /// As [`advance`](Self::advance), of a job that is [shared out](Self::share_out). All ranks call it alike.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance), and what `halo` reports.
+    pub fn advance_on(&mut self, steps: u64, halo: &mut dyn Halo) -> Result<Progress, PackError> {
         for _ in 0..steps {
             match self.job.stage {
-                Stage::Depositing => self.step_deposition()?,
-                Stage::Settling => self.step_settling()?,
-                Stage::Verifying => self.step_verification()?,
+                Stage::Depositing => self.step_deposition(halo)?,
+                Stage::Settling => self.step_settling(halo)?,
+                Stage::Verifying => self.step_verification(halo)?,
                 Stage::Done => break,
             }
         }
@@ -272,7 +281,7 @@ impl Packing {
         u32::try_from(batches).ok()?.checked_sub(1)
     }
 
-    /// The state of the pack in numbers. Costs a pass over all bodies and contacts.
+    /// The state of the pack in numbers, of the bodies that are here. Costs a pass over them and their contacts.
     pub fn report(&self) -> PackReport {
         let verification = self.job.verification;
         let settled = self.is_done() && verification.is_some_and(|v| v.passed);
@@ -288,7 +297,7 @@ impl Packing {
 
     fn placed(&self) -> u32 {
         // A spec counts bodies in 32 bits, and no more than that are added.
-        u32::try_from(self.world.body_count()).unwrap_or(u32::MAX)
+        u32::try_from(self.world.count_in_whole()).unwrap_or(u32::MAX)
     }
 
     fn batch_count(&self) -> u32 {

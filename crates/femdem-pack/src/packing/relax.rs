@@ -12,13 +12,12 @@
 //! that is not at rest by itself, as the verification shows. The steps are implicit: loads take time, not work,
 //! to come down a column, and the effect of implicit steps on impacts does not matter where there are none.
 
-use super::top::positions;
 use super::{Packing, Stage};
 use crate::error::PackError;
 use crate::report::Relaxation;
 use crate::spec::LEAST_DAMPING;
 use femdem_mesh::Vector3;
-use femdem_solve::{ImplicitStep, Medium, TimeStepParameters};
+use femdem_solve::{Halo, ImplicitStep, Medium, TimeStepParameters, World};
 use serde::{Deserialize, Serialize};
 
 /// The pack grows by this factor between two relaxations.
@@ -69,14 +68,14 @@ impl Packing {
     }
 
     /// Wakes all bodies and keeps them awake.
-    pub(super) fn begin_relaxation(&mut self) -> Result<(), PackError> {
+    pub(super) fn begin_relaxation(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
         self.step_implicitly()?;
         self.world.set_sleeping(false);
         self.job.relaxing = Some(Relaxing {
             began: self.world.time(),
             first_step: self.world.steps(),
             calm: 0,
-            from: positions(&self.world).map(|(_, p)| p).collect(),
+            from: self.positions(halo)?,
         });
         self.wait_for_next_check();
         Ok(())
@@ -102,26 +101,26 @@ impl Packing {
     }
 
     /// Work after a step of a relaxation.
-    pub(super) fn step_relaxation(&mut self) -> Result<(), PackError> {
-        if self.world.is_slowing() {
+    pub(super) fn step_relaxation(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
+        if self.world.is_slowing_on(halo)? {
             self.world.stop();
         }
         if self.world.time() >= self.job.next_check {
             self.guard()?;
-            self.check_relaxation()?;
+            self.check_relaxation(halo)?;
             self.wait_for_next_check();
         }
         Ok(())
     }
 
     /// Ends the relaxation in progress if the pack is calm, or if its time is over.
-    fn check_relaxation(&mut self) -> Result<(), PackError> {
+    fn check_relaxation(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
         let Some(relaxing) = self.job.relaxing.take() else {
             return Ok(());
         };
         let settling = &self.job.spec.settling;
         // Not the largest residual: single bodies that turn over would keep all others awake.
-        let is_calm = self.mean_residual() <= settling.residual;
+        let is_calm = self.mean_residual(halo)? <= settling.residual;
         let calm = if is_calm { relaxing.calm + 1 } else { 0 };
         let longest = settling.longest * self.job.spec.time_unit();
         let in_time = self.world.time() - relaxing.began <= longest;
@@ -129,7 +128,7 @@ impl Packing {
             self.job.relaxing = Some(Relaxing { calm, ..relaxing });
             return Ok(());
         }
-        let (mean, max) = self.displacements(&relaxing.from);
+        let (mean, max) = self.displacements(&relaxing.from, halo)?;
         self.job.relaxation = Some(Relaxation {
             bodies: self.placed(),
             steps: self.world.steps() - relaxing.first_step,
@@ -137,7 +136,7 @@ impl Packing {
             max_displacement_over_d: max,
         });
         if self.job.stage == Stage::Settling {
-            return self.begin_verification();
+            return self.begin_verification(halo);
         }
         self.world
             .set_time_step(self.job.spec.falling_time_step())?;
@@ -146,10 +145,10 @@ impl Packing {
     }
 
     /// Mean over the bodies of the net force over the larger of weight and mean contact force.
-    fn mean_residual(&self) -> f64 {
-        let bodies = 0..self.placed();
-        let residuals = bodies.filter_map(|body| self.world.body_residual(body));
-        residuals.sum::<f64>() / f64::from(self.placed().max(1))
+    fn mean_residual(&self, halo: &mut dyn Halo) -> Result<f64, PackError> {
+        let residual = |world: &World, body| world.body_residual(body);
+        let residuals = self.world.of_whole(halo, residual)?.into_iter().flatten();
+        Ok(residuals.sum::<f64>() / f64::from(self.placed().max(1)))
     }
 
     /// Whether bodies come to rest only in the medium, if at all, because contacts hardly damp. In other jobs
@@ -176,15 +175,19 @@ impl Packing {
     }
 
     /// Mean and largest distance of the centroids from where they were, over d.
-    pub(super) fn displacements(&self, before: &[Vector3]) -> (f64, f64) {
+    pub(super) fn displacements(
+        &self,
+        before: &[Vector3],
+        halo: &mut dyn Halo,
+    ) -> Result<(f64, f64), PackError> {
         let diameter = self.job.spec.diameter();
         let (mut sum, mut max) = (0.0, 0.0_f64);
-        for ((_, now), before) in positions(&self.world).zip(before) {
+        for (now, before) in self.positions(halo)?.iter().zip(before) {
             let moved = (now - before).norm() / diameter;
             sum += moved;
             max = max.max(moved);
         }
-        (sum / before.len().max(1) as f64, max)
+        Ok((sum / before.len().max(1) as f64, max))
     }
 }
 

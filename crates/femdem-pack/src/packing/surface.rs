@@ -1,10 +1,14 @@
 //! Where the bodies are: the highest point, and bodies that have left the container.
 
 use super::Packing;
-use super::top::positions;
+use super::ranks::largest;
 use crate::error::PackError;
 use femdem_contact::BodyId;
 use femdem_mesh::Vector3;
+use femdem_solve::Halo;
+
+/// Bounding spheres are taken this much larger than they are, for round-off.
+const SLACK: f64 = 1.0 + 1e-9;
 
 /// A body this far (in d) above the highest start was thrown there by an error.
 const THROWN: f64 = 5.0;
@@ -23,7 +27,7 @@ impl Packing {
             }
             if p.z > ceiling {
                 return Err(PackError::Thrown {
-                    body,
+                    body: self.number(body),
                     height: p.z,
                     released: self.job.highest_start,
                 });
@@ -34,24 +38,30 @@ impl Packing {
 
     /// Updates the highest point of all bodies. This is one comparison for most bodies: only those whose
     /// bounding sphere may reach higher are evaluated in full.
-    pub(super) fn update_top(&mut self) {
-        let reach = self.job.spec.largest_diameter() / 2.0;
+    pub(super) fn update_top(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
+        let reach = SLACK * self.job.spec.largest_diameter() / 2.0;
         let mut top = 0.0;
-        for (body, p) in positions(&self.world) {
-            if p.z + reach > top
+        for body in self.world.own_bodies(0) {
+            let position = self.world.position(body);
+            if position.is_some_and(|p| p.z + reach > top)
                 && let Some((_, high)) = self.world.bounds(body)
             {
                 top = high.z.max(top);
             }
         }
-        self.job.top = top;
+        [self.job.top] = largest([top], halo)?;
+        Ok(())
+    }
+
+    fn number(&self, body: BodyId) -> BodyId {
+        self.world.number_in_whole(body).unwrap_or(body)
     }
 
     fn escaped(&self, body: BodyId, position: &Vector3) -> PackError {
         let walls = self.world.walls().map(|(_, wall)| wall);
         let nearest = walls.min_by(|a, b| a.clearance(position).total_cmp(&b.clearance(position)));
         PackError::Escaped {
-            body,
+            body: self.number(body),
             through: nearest.map_or_else(String::new, |w| w.name().to_owned()),
             position: (*position).into(),
             penalty: self.job.penalty,

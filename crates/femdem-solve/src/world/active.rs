@@ -344,22 +344,38 @@ impl World {
     /// Whether more of the awake rigid bodies are losing kinetic energy than gaining it; driven ones do not
     /// count. It counts bodies instead of comparing the total energy, so that a single body does not decide.
     pub fn is_slowing(&self) -> bool {
+        let [losing, gaining] = self.slowing();
+        losing > gaining
+    }
+
+    /// As [`is_slowing`](Self::is_slowing), of the bodies of all ranks.
+    ///
+    /// # Errors
+    /// What `halo` reports.
+    pub fn is_slowing_on(&self, halo: &mut dyn Halo) -> Result<bool, SolveError> {
+        let mut counts = self.slowing();
+        halo.sum(&mut counts)?;
+        Ok(counts[0] > counts[1])
+    }
+
+    /// How many awake rigid bodies are losing kinetic energy, and how many are gaining it.
+    fn slowing(&self) -> [u64; 2] {
         let loads = self.batch.loads();
-        let balance: i64 = self
-            .awake
-            .iter()
-            .map(|&i| (i as usize, &self.bodies[i as usize], &loads[i as usize]))
-            .filter(|(_, body, _)| body.driven.is_none())
-            .map(|(_, body, load)| {
-                let weight = self.parameters.gravity * body.mass;
-                let mut wrench = load.total;
-                wrench += &body.applied();
-                let power = (wrench.force + weight).dot(&body.velocity)
-                    + wrench.torque.dot(&body.angular_velocity());
-                i64::from(power < 0.0) - i64::from(power > 0.0)
-            })
-            .sum();
-        balance > 0
+        let mut counts = [0; 2];
+        for &i in &self.awake {
+            let (body, load) = (&self.bodies[i as usize], &loads[i as usize]);
+            if body.driven.is_some() {
+                continue;
+            }
+            let weight = self.parameters.gravity * body.mass;
+            let mut wrench = load.total;
+            wrench += &body.applied();
+            let power = (wrench.force + weight).dot(&body.velocity)
+                + wrench.torque.dot(&body.angular_velocity());
+            counts[0] += u64::from(power < 0.0);
+            counts[1] += u64::from(power > 0.0);
+        }
+        counts
     }
 
     /// Wakes all bodies.

@@ -1,10 +1,12 @@
 //! Making a world, adding to it, and bringing it back from bytes.
 
+use super::ranks::Whose;
 use super::{Counters, World};
 use crate::body::{Body, BodySpec, Shape, ShapeId};
 use crate::checkpoint;
 use crate::error::SolveError;
 use crate::guide::Guide;
+use crate::halo::{Alone, Halo};
 use crate::ledger::Flows;
 use crate::parameters::{TimeStepParameters, WorldParameters};
 use femdem_contact::{
@@ -45,7 +47,8 @@ impl World {
         })
     }
 
-    /// Replaces the control of the step size, and whether steps are implicit.
+    /// Replaces the control of the step size, and whether steps are implicit. As all changes of parameters, all ranks make it if
+    /// the world is [shared out](Self::share_out).
     ///
     /// # Errors
     /// As [`World::new`].
@@ -97,7 +100,6 @@ impl World {
     ) -> Result<(), SolveError> {
         let laws = parameters.laws(others)?;
         self.restored()?;
-        self.not_shared("changing its parameters")?;
         self.parameters = parameters;
         self.batch.set_laws(laws);
         if let Some(deformables) = &mut self.deformables {
@@ -105,13 +107,12 @@ impl World {
         }
         self.loaded = false;
         self.step_control.forget();
-        self.tell_step_control();
         let mut control = self.step_control;
         for (_, body) in self.free_bodies() {
             control.launch(body);
         }
         self.step_control = control;
-        Ok(())
+        self.see_bodies_again()
     }
 
     /// Adds a convex shape and returns its index.
@@ -160,6 +161,7 @@ impl World {
     fn insert_shape(&mut self, shape: Shape) -> Result<ShapeId, SolveError> {
         let contact = shape.contact()?;
         self.restored()?;
+        self.not_shared("adding shapes")?;
         if self.deformables.is_some() {
             meets_deformables(&contact)?;
         }
@@ -169,7 +171,11 @@ impl World {
 
     /// Adds a body and returns its index: that of a [removed](Self::remove_body) body, the lowest, or else a new one.
     ///
+    /// In a world that is [shared out](Self::share_out) all ranks add the same body. It is kept by its owner and those near it,
+    /// and the index is its number in the whole.
+    ///
     /// # Errors
+    /// [`SolveError::Ranks`] in a world that is shared out and from which bodies were removed before.
     /// [`SolveError::NoSuch`] for an unknown shape, [`SolveError::Parameter`] for a density
     /// that is not positive or a pose or velocity that is not finite.
     pub fn add_body(&mut self, spec: BodySpec) -> Result<BodyId, SolveError> {
@@ -194,9 +200,13 @@ impl World {
             });
         };
         self.restored()?;
-        self.not_shared("adding bodies")?;
+        if drive.is_some() {
+            self.not_shared("adding driven bodies")?;
+        }
         let contact = &self.batch.shapes()[spec.shape as usize];
         let mut body = Body::new(&spec, shape, contact.radius())?;
+        let whose = self.enlist(&body)?;
+        let contact = &self.batch.shapes()[spec.shape as usize];
         let (shape, thinner) = (spec.shape, self.step_control.meet(contact));
         if let Some(drive) = drive {
             let (driven, place) = (drive.at(self.time), body.place());
@@ -206,23 +216,31 @@ impl World {
             let laws = self.batch.laws().of(spec.material);
             self.step_control.see(contact, &body, laws);
             self.step_control.launch(&body);
-            self.initial_energy += body.energy(&self.parameters.gravity);
+            if whose == Whose::Own {
+                self.initial_energy += body.energy(&self.parameters.gravity);
+            }
         }
-        let id = self.batch.add_body(shape)?;
+        self.loaded = false;
+        if thinner {
+            self.see_bodies_again()?;
+        }
+        let id = match whose {
+            Whose::Own => self.batch.add_body(shape)?,
+            Whose::Guest => self.batch.add_guest(shape)?,
+            Whose::Other(number) => return Ok(number),
+        };
         self.batch.set_material(id, spec.material)?;
         if let Some(deformables) = &mut self.deformables {
             deformables.reach(id as usize + 1);
         }
         place(&mut self.motions, id, body.motion());
         place(&mut self.bodies, id, body);
-        let at = self.awake.partition_point(|&other| other < id);
-        self.awake.insert(at, id);
-        self.newcomers.added.bodies.insert(id);
-        self.loaded = false;
-        if thinner {
-            self.tell_step_control();
+        if whose == Whose::Own {
+            let at = self.awake.partition_point(|&other| other < id);
+            self.awake.insert(at, id);
         }
-        Ok(id)
+        self.newcomers.added.bodies.insert(id);
+        Ok(self.number_in_whole(id).unwrap_or(id))
     }
 
     /// Adds a wall, of planes or a mesh, that is fixed or moves as prescribed, and returns its
@@ -305,29 +323,41 @@ impl World {
     }
 
     /// Tells the step control about all bodies again if one has gone or has another material.
-    pub(super) fn renew_cap(&mut self) {
+    pub(super) fn renew_cap(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         if self.step_control.begins_anew() {
-            self.tell_step_control();
+            self.tell_step_control(halo)?;
         }
+        Ok(())
     }
 
-    /// Tells the step control about all bodies again.
-    fn tell_step_control(&mut self) {
+    /// Tells the step control about all bodies again; over ranks in the next step, where they can be asked.
+    fn see_bodies_again(&mut self) -> Result<(), SolveError> {
+        if self.is_shared() {
+            self.step_control.lose();
+            return Ok(());
+        }
+        self.tell_step_control(&mut Alone)
+    }
+
+    fn tell_step_control(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         let mut control = self.step_control;
         let contact = |body: &Body| &self.batch.shapes()[body.shape as usize];
         for (_, body) in self.live_bodies() {
             control.meet(contact(body));
         }
+        control.share_lengths(halo)?;
         for (i, body) in self.free_bodies() {
             let material = self.batch.material(i as u32).unwrap_or_default();
             control.see(contact(body), body, self.batch.laws().of(material));
         }
+        control.share_steps(halo)?;
         self.step_control = control;
         let deformables = self.deformables.as_deref();
         for body in deformables.map_or(&[][..], |d| &d.bodies) {
             let bound = body.bound.critical_step().min(body.contact_step);
             self.step_control.see_elements(bound);
         }
+        Ok(())
     }
 }
 

@@ -77,7 +77,7 @@ impl World {
     ) -> Result<(), SolveError> {
         self.restored()?;
         if let Some(rule) = self.parameters.time_step.implicit {
-            return self.step_implicit(&rule, host);
+            return self.step_implicit(&rule, host, halo);
         }
         if !self.loaded {
             self.meet_guests(halo)?;
@@ -130,7 +130,7 @@ impl World {
 
     /// Also deals the bodies anew if one of them may leave what its rank knows of.
     fn choose_step(&mut self, halo: &mut dyn Halo) -> Result<f64, SolveError> {
-        self.renew_cap();
+        self.renew_cap(halo)?;
         let bound = self.awake.iter().fold(self.deformable_bound(), |most, &i| {
             self.batch.largest_step(i, &self.motions[i as usize], most)
         });

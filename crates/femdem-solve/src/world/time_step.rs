@@ -1,6 +1,8 @@
 //! The step size: a fraction of a stability bound, changed rarely and by fixed rules.
 
 use crate::body::Body;
+use crate::error::SolveError;
+use crate::halo::Halo;
 use crate::parameters::TimeStepParameters;
 use femdem_contact::{BodyShape, ContactParameters, stable_step};
 use serde::{Deserialize, Serialize};
@@ -123,6 +125,19 @@ impl StepControl {
     /// Allows steps as short as the speed of a body requires that was added or got its velocity by hand.
     pub(crate) fn launch(&mut self, body: &Body) {
         self.see_launch(USUAL_MOVE * body.radius / body.fastest());
+    }
+
+    /// Takes the smallest length scale of all ranks.
+    pub(crate) fn share_lengths(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        halo.least(std::slice::from_mut(&mut self.thinnest))
+    }
+
+    /// Takes the lowest cap and the shortest step of a launch of all ranks.
+    pub(crate) fn share_steps(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let mut least = [self.cap, self.launch];
+        halo.least(&mut least)?;
+        [self.cap, self.launch] = least;
+        Ok(())
     }
 
     /// The bound for a body that comes down on a face, including friction springs and levers, s.

@@ -30,6 +30,17 @@ impl Threads {
         from.into_iter().enumerate().map(halo).collect()
     }
 
+    /// What so many threads make of their work, in the order of the ranks.
+    pub fn each<T: Send>(size: usize, work: impl Fn(&mut Self) -> T + Sync) -> Vec<T> {
+        std::thread::scope(|scope| {
+            let work = &work;
+            let start = |mut halo: Self| scope.spawn(move || work(&mut halo));
+            let threads: Vec<_> = Self::of(size).into_iter().map(start).collect();
+            let done = threads.into_iter().map(|thread| thread.join().unwrap());
+            done.collect()
+        })
+    }
+
     fn post(&self, to: usize, bytes: Vec<u8>) -> Result<(), SolveError> {
         let sent = self.to[to].send((self.rank, bytes));
         sent.map_err(|_| SolveError::Ranks {

@@ -297,6 +297,18 @@ impl PackArgs {
         Ok(scene)
     }
 
+    /// The first option that is given and does not belong to the scene.
+    pub(crate) fn beside_the_scene(&self) -> Option<&'static str> {
+        let given = [
+            (self.check, "check"),
+            (self.force, "force"),
+            (self.print_scene, "print-scene"),
+            (self.report, "report"),
+            (self.run.quiet, "quiet"),
+        ];
+        given.into_iter().find_map(|(so, name)| so.then_some(name))
+    }
+
     fn steps(&self) -> Option<StepKind> {
         let explicit = self.explicit.then_some(StepKind::Explicit);
         explicit.or(self.implicit.map(StepKind::Implicit))

@@ -33,6 +33,7 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::Result;
 use clap::Parser;
+use femdem::Scene;
 use femdem::scene::ShapeNote;
 
 use cli::{Cli, Command};
@@ -87,6 +88,36 @@ where
     };
     command.stop_by(stop);
     carry_out(command).map_err(|error| described(&error))
+}
+
+/// The scene of a pack that `words` are, the options of `femdem pack`, for a program that packs in its own way.
+///
+/// ```
+/// let scene = femdem::program::pack_scene(["--count", "7", "--box", "4x5"])?;
+/// assert_eq!(scene.count, 7);
+/// # Ok::<(), String>(())
+/// ```
+///
+/// # Errors
+///
+/// What the program would say, and options that do not belong to a scene, such as `--check`.
+pub fn pack_scene<W>(words: impl IntoIterator<Item = W>) -> Result<Scene, String>
+where
+    W: Into<OsString>,
+{
+    let program = ["femdem", "pack"].map(OsString::from).into_iter();
+    let words = program.chain(words.into_iter().map(Into::into));
+    let args = match Cli::try_parse_from(words) {
+        Ok(Cli {
+            command: Command::Pack(args),
+        }) => args,
+        Ok(_) => return Err("these are no options of a pack".to_owned()),
+        Err(refusal) => return Err(refused(&refusal)),
+    };
+    if let Some(option) = args.beside_the_scene() {
+        return Err(format!("--{option} is not possible here: leave it out"));
+    }
+    args.scene().map_err(|error| error.to_string())
 }
 
 /// What the parser of the command line refuses, without its advice for the terminal.

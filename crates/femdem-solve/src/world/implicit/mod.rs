@@ -20,7 +20,7 @@ use super::time_step::LARGEST_MOVE;
 use crate::body::Body;
 use crate::clock::Stopwatch;
 use crate::error::{SolveError, check};
-use crate::halo::Alone;
+use crate::halo::Halo;
 use crate::ledger::{Flows, Pending};
 use crate::parameters::ImplicitStep;
 use crate::rotation;
@@ -56,10 +56,12 @@ impl Before {
 }
 
 impl World {
+    /// Over ranks the first one has all bodies meanwhile: the system of all contacts is one.
     pub(super) fn step_implicit(
         &mut self,
         rule: &ImplicitStep,
         host: &mut dyn FnMut(Partner, f64) -> Option<Driven>,
+        halo: &mut dyn Halo,
     ) -> Result<(), SolveError> {
         let deformable = self.deformable_count();
         check(
@@ -70,16 +72,17 @@ impl World {
         )?;
         self.refuse_bonds("bonds with time_step.implicit")?;
         self.cell().map_or(Ok(()), check_rests)?;
+        self.deal_to_first(halo)?;
         self.meet_newcomers()?;
         let since = std::mem::take(&mut self.behind);
-        let mut dt = self.choose_implicit_step(rule);
+        let mut dt = self.choose_implicit_step(rule, halo)?;
         self.ask(self.time + dt, host)?;
-        if self.wake_for_drives(dt, &mut Alone)? {
-            dt = self.choose_implicit_step(rule);
+        if self.wake_for_drives(dt, halo)? {
+            dt = self.choose_implicit_step(rule, halo)?;
             self.ask(self.time + dt, host)?;
         }
         self.check_step(dt)?;
-        let before = self.look_ahead(since, dt)?;
+        let before = self.look_ahead(since, dt, halo)?;
         let wrenches = self.answer_contacts(dt, &before, rule)?;
         for (k, (before, wrench)) in before.iter().zip(&wrenches).enumerate() {
             let i = self.awake[k] as usize;
@@ -98,12 +101,17 @@ impl World {
         self.behind = dt;
         self.book_exchange(0.0);
         self.counters.body_steps += self.awake.len() as u64;
-        self.update_active_set(&mut Alone)
+        self.update_active_set(halo)
     }
 
     /// Evaluates the existing contacts, and those that would close within the step. Leaves free bodies at the
     /// poses predicted from their present velocities, and returns their earlier states.
-    fn look_ahead(&mut self, since: f64, dt: f64) -> Result<Vec<Before>, SolveError> {
+    fn look_ahead(
+        &mut self,
+        since: f64,
+        dt: f64,
+        halo: &mut dyn Halo,
+    ) -> Result<Vec<Before>, SolveError> {
         if self.ahead.len() != self.motions.len() {
             self.ahead = self.motions.clone();
         }
@@ -117,7 +125,7 @@ impl World {
         }
         let walls = self.wall_motions.clone();
         std::mem::swap(&mut self.motions, &mut self.ahead);
-        let drifted = self.drift(dt, &mut Alone);
+        let drifted = self.drift(dt, halo);
         std::mem::swap(&mut self.motions, &mut self.ahead);
         drifted?;
         let watch = Stopwatch::start();
@@ -136,8 +144,12 @@ impl World {
         Ok(before)
     }
 
-    fn choose_implicit_step(&mut self, rule: &ImplicitStep) -> f64 {
-        self.renew_cap();
+    fn choose_implicit_step(
+        &mut self,
+        rule: &ImplicitStep,
+        halo: &mut dyn Halo,
+    ) -> Result<f64, SolveError> {
+        self.renew_cap(halo)?;
         let mut most = self.parameters.time_step.largest.unwrap_or(f64::INFINITY);
         let gravity = self.parameters.gravity;
         let driving = self.driving();
@@ -157,7 +169,8 @@ impl World {
                 most = 2.0 * rule.reach * body.radius / speed;
             }
         }
-        self.step_control.choose_implicit(rule.multiple, most)
+        halo.least(std::slice::from_mut(&mut most))?;
+        Ok(self.step_control.choose_implicit(rule.multiple, most))
     }
 
     /// Solves for the forces of the contacts, records them, and returns their wrench on each awake body in

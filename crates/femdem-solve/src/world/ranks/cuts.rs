@@ -109,6 +109,20 @@ impl Cuts {
         Ok(cuts)
     }
 
+    /// All space for the first rank.
+    pub fn to_first(ranks: usize) -> Self {
+        let (axis, at) = (0, f64::INFINITY);
+        Self {
+            ranks,
+            cuts: vec![Cut { axis, at }; ranks.saturating_sub(1)],
+        }
+    }
+
+    /// Whether the first of several ranks has all space.
+    pub fn are_to_first(&self) -> bool {
+        self.ranks > 1 && self.cuts.iter().all(|cut| cut.at == f64::INFINITY)
+    }
+
     /// Number of ranks.
     pub fn ranks(&self) -> usize {
         self.ranks

@@ -1,6 +1,6 @@
 //! Bodies are given to the ranks in whose boxes they are, and lent to those near them.
 
-use super::parts::{Member, Parts, bodies_of};
+use super::parts::{Parts, bodies_of};
 use super::{Cuts, Link, Share};
 use crate::body::Body;
 use crate::checkpoint;
@@ -8,7 +8,6 @@ use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::ledger::Flows;
 use crate::world::World;
-use crate::world::newcomers::Newcomers;
 use crate::world::time_step::LARGEST_MOVE;
 use femdem_contact::{BodyId, PairRecord};
 use femdem_mesh::Vector3;
@@ -35,19 +34,37 @@ impl World {
         } else {
             Vec::new()
         };
-        let cuts = Cuts::find(&of_first, halo)?;
+        let cuts = if self.is_for_first() {
+            Cuts::to_first(halo.size())
+        } else {
+            Cuts::find(&of_first, halo)?
+        };
+        let vacant = total - self.rigid_count() as u32;
         let (parts, _) = self.take_apart()?;
         if halo.rank() > 0 {
             // The books of the whole are with the first rank.
             self.flows = Flows::default();
             self.initial_energy = 0.0;
         }
-        self.keep(cuts, total, parts.members, parts.pairs, halo)?;
-        if let Some(share) = &self.share {
-            let local = |number: BodyId| Some(share.numbers.binary_search(&number).ok()? as BodyId);
-            self.newcomers = std::mem::take(&mut self.newcomers).renumbered(local);
+        self.keep(cuts, [total, vacant], parts, halo)
+    }
+
+    /// Whether the first rank has all bodies: contacts of implicit steps are solved together, and have friction of the last step
+    /// to come.
+    fn is_for_first(&self) -> bool {
+        self.parameters.time_step.implicit.is_some() || self.behind > 0.0
+    }
+
+    /// Gives all bodies to the first rank, for implicit steps.
+    pub(in crate::world) fn deal_to_first(
+        &mut self,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
+        let cuts = self.share.as_deref().map(|share| &share.cuts);
+        if cuts.is_none_or(|cuts| cuts.ranks() == 1 || cuts.are_to_first()) {
+            return Ok(());
         }
-        Ok(())
+        self.deal_again(halo)
     }
 
     /// Deals the bodies of all ranks anew.
@@ -55,18 +72,21 @@ impl World {
         let Some(share) = self.share.as_deref() else {
             return Ok(());
         };
-        let (total, mut cuts) = (share.total, share.cuts.clone());
+        let (numbers, mut cuts) = ([share.total, share.vacant], share.cuts.clone());
         let costs = self.costs();
         let own: u64 = costs.iter().map(|(_, cost)| cost).sum();
         let (mut sum, mut most) = ([own], [-(own as f64)]);
         halo.sum(&mut sum)?;
         halo.least(&mut most)?;
-        if -most[0] > UNEVEN * sum[0] as f64 / halo.size() as f64 {
+        let is_uneven = -most[0] > UNEVEN * sum[0] as f64 / halo.size() as f64;
+        if self.is_for_first() {
+            cuts = Cuts::to_first(halo.size());
+        } else if is_uneven || cuts.are_to_first() {
             cuts = Cuts::find(&costs, halo)?;
         }
         let (parts, guests) = self.take_apart()?;
-        let (members, pairs) = self.pass_on(&cuts, parts, &guests, halo)?;
-        self.keep(cuts, total, members, pairs, halo)
+        let parts = self.pass_on(&cuts, parts, &guests, halo)?;
+        self.keep(cuts, numbers, parts, halo)
     }
 
     /// All bodies in one world on the first rank, as if there were no others; the world here stays as it is.
@@ -80,25 +100,17 @@ impl World {
         };
         let mut whole = self.clone();
         let (parts, _) = whole.take_apart()?;
-        let newcomers = self
-            .newcomers
-            .clone()
-            .renumbered(|id| self.number_in_whole(id));
         let books = (self.flows, self.initial_energy);
-        let message = checkpoint::encode(&(parts, books, newcomers))?;
+        let message = checkpoint::encode(&(parts, books))?;
         let received = halo.send(vec![(0, message)])?;
         if halo.rank() > 0 {
             return Ok(None);
         }
         let mut all = Parts::default();
         (whole.flows, whole.initial_energy) = (Flows::default(), 0.0);
-        whole.newcomers = Newcomers::default();
         for (_, bytes) in received {
-            let (parts, (flows, initial), newcomers): (Parts, (Flows, f64), Newcomers) =
-                checkpoint::decode(&bytes)?;
-            whole.newcomers.join(newcomers);
-            all.members.extend(parts.members);
-            all.pairs.extend(parts.pairs);
+            let (parts, (flows, initial)): (Parts, (Flows, f64)) = checkpoint::decode(&bytes)?;
+            all.join(parts);
             whole.flows += flows;
             whole.initial_energy += initial;
         }
@@ -128,11 +140,16 @@ impl World {
     }
 
     /// Within what distance of a box a body of some radius may meet one that was in it, until all are dealt anew, m.
-    fn reach(&self) -> impl Fn(f64) -> f64 + use<> {
+    pub(super) fn reach(&self) -> impl Fn(f64) -> f64 + use<> {
         let largest = self.largest_radius();
         let attraction = self.batch.laws().attraction_range();
         let moved = 2.0 * (WAY + LARGEST_MOVE) * largest;
         move |radius| SKINS * (largest + radius) + attraction + moved
+    }
+
+    /// How far a body may travel before all are dealt anew, m.
+    pub(super) fn way(&self) -> f64 {
+        WAY * self.largest_radius()
     }
 
     /// Of all shapes, m.
@@ -148,7 +165,7 @@ impl World {
         parts: Parts,
         guests: &BTreeMap<BodyId, Vector3>,
         halo: &mut dyn Halo,
-    ) -> Result<(Vec<Member>, Vec<PairRecord>), SolveError> {
+    ) -> Result<Parts, SolveError> {
         let reach = self.reach();
         let owners: BTreeMap<BodyId, usize> = parts
             .members
@@ -181,33 +198,33 @@ impl World {
                 bags.entry(rank).or_default().pairs.push(pair);
             }
         }
+        for bag in bags.values_mut() {
+            bag.newcomers = parts.newcomers.clone();
+        }
         let mut own = bags.remove(&halo.rank()).unwrap_or_default();
         let encoded = bags
             .iter()
             .map(|(rank, bag)| Ok((*rank, checkpoint::encode(bag)?)));
         let encoded = encoded.collect::<Result<Vec<_>, SolveError>>()?;
         for (_, bytes) in halo.send(encoded)? {
-            let bag: Parts = checkpoint::decode(&bytes)?;
-            own.members.extend(bag.members);
-            own.pairs.extend(bag.pairs);
+            own.join(checkpoint::decode(&bytes)?);
         }
         own.members.sort_by_key(|member| member.number);
-        Ok((own.members, own.pairs))
+        Ok(own)
     }
 
     /// Keeps what belongs to this rank or near it, of members ascending by number.
     fn keep(
         &mut self,
         cuts: Cuts,
-        total: u32,
-        members: Vec<Member>,
-        pairs: Vec<PairRecord>,
+        [total, vacant]: [u32; 2],
+        parts: Parts,
         halo: &dyn Halo,
     ) -> Result<(), SolveError> {
         let (rank, reach) = (halo.rank(), self.reach());
         let mut links: BTreeMap<usize, (Vec<BodyId>, Vec<BodyId>)> = BTreeMap::new();
         let mut kept = Vec::new();
-        for member in members {
+        for member in parts.members {
             let x = &member.body.position;
             let (owner, near) = (cuts.owner(x), cuts.near(x, reach(member.body.radius)));
             let id = kept.len() as BodyId;
@@ -226,12 +243,13 @@ impl World {
             let at = kept.binary_search_by_key(number, |(member, _)| member.number);
             at.is_ok_and(|at| kept[at].1 == rank)
         };
-        let pairs: Vec<PairRecord> = pairs
+        let pairs: Vec<PairRecord> = parts
+            .pairs
             .into_iter()
             .filter(|pair| bodies_of(pair).any(|number| is_own(&number)))
             .collect();
-        let numbers = self.put_together(kept, pairs, rank)?;
-        let way = WAY * self.largest_radius();
+        let numbers = self.put_together(kept, pairs, parts.newcomers, rank)?;
+        let way = self.way();
         let until = self.bodies.iter().map(|b| b.travelled + way);
         let links = links
             .into_iter()
@@ -240,6 +258,7 @@ impl World {
             rank,
             cuts,
             total,
+            vacant,
             links: links.collect(),
             until: until.collect(),
             holds: vec![false; numbers.len()],

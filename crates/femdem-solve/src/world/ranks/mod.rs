@@ -8,14 +8,16 @@
 
 mod cuts;
 mod deal;
+mod join;
 mod parts;
 mod swap;
 
 use super::World;
 use crate::error::SolveError;
-use crate::halo::Halo;
+use crate::halo::{Alone, Halo};
 use cuts::Cuts;
 use femdem_contact::BodyId;
+pub(super) use join::Whose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -26,8 +28,9 @@ pub(super) struct Share {
     cuts: Cuts,
     /// Numbers in the whole, by local number.
     numbers: Vec<BodyId>,
-    /// How many numbers the whole has.
+    /// How many numbers the whole has, and how many of them name no body.
     total: u32,
+    vacant: u32,
     /// The ranks that have guests of this one, or bodies that are guests here, ascending.
     links: Vec<Link>,
     /// Travel of each body at which all are dealt anew if it is an own one, m.
@@ -57,19 +60,20 @@ impl World {
     /// the number that a body had here.
     ///
     /// # Errors
-    /// [`SolveError::Ranks`] for what cannot be shared: deformable and driven bodies, bonds, a periodic cell, implicit
-    /// steps; if the worlds of the ranks differ, or their programs; and what `halo` reports.
+    /// [`SolveError::Ranks`] for what cannot be shared: deformable and driven bodies, bonds, a periodic cell; if the worlds of the ranks differ, or their programs; and what `halo` reports.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         self.restored()?;
         self.not_shared("sharing it out again")?;
         self.can_be_shared()?;
         // The step is bounded by all bodies.
-        self.renew_cap();
+        self.renew_cap(&mut Alone)?;
         self.agree(halo)?;
         self.deal_whole(halo)
     }
 
     /// As [`step`](Self::step), of a world that is [shared out](Self::share_out).
+    ///
+    /// [Implicit](crate::ImplicitStep) steps are taken by the first rank, which has all bodies meanwhile.
     ///
     /// The state of all ranks together is the same bits as that of a world of its own after as many steps, for any number of
     /// ranks.
@@ -134,10 +138,6 @@ impl World {
             ("deformable bodies", self.deformables.is_some()),
             ("driven bodies", driven),
             ("a periodic cell", self.cell().is_some()),
-            (
-                "implicit steps",
-                self.parameters.time_step.implicit.is_some() || self.behind > 0.0,
-            ),
         ] {
             if is_there {
                 return Err(SolveError::Ranks {
@@ -167,11 +167,14 @@ impl World {
         ))
     }
 
-    /// Whether no body can have come near another that its rank does not know: more than 0 if so.
+    /// Whether no body can have come near another that its rank does not know, and several ranks have bodies: more than 0 if so.
     pub(super) fn slack(&self) -> f64 {
         let Some(share) = &self.share else {
             return f64::INFINITY;
         };
+        if share.cuts.are_to_first() {
+            return 0.0;
+        }
         let left = |&i: &BodyId| share.until[i as usize] - self.bodies[i as usize].travelled;
         self.awake.iter().map(left).fold(f64::INFINITY, f64::min)
     }

@@ -5,6 +5,7 @@ use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
 use crate::world::World;
+use crate::world::newcomers::Newcomers;
 use femdem_contact::{BodyId, BodyRecord, Motion, PairRecord, Partner};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -25,11 +26,22 @@ pub(super) struct Member {
 pub(super) struct Parts {
     pub members: Vec<Member>,
     pub pairs: Vec<PairRecord>,
+    /// Of these and of their guests.
+    pub newcomers: Newcomers,
+}
+
+impl Parts {
+    pub fn join(&mut self, other: Self) {
+        self.members.extend(other.members);
+        self.pairs.extend(other.pairs);
+        self.newcomers.join(other.newcomers);
+    }
 }
 
 impl World {
     /// Takes the bodies out: those of this rank, with the pairs whose B is one of them; and where the guests are, m.
     pub(super) fn take_apart(&mut self) -> Result<(Parts, BTreeMap<BodyId, Vector3>), SolveError> {
+        let newcomers = std::mem::take(&mut self.newcomers);
         let number = |id: BodyId| match &self.share {
             Some(share) => share.numbers.get(id as usize).copied(),
             None => Some(id),
@@ -38,7 +50,10 @@ impl World {
             .map(|id| self.is_guest(id))
             .collect();
         let (records, pairs) = self.batch.take_bodies()?;
-        let mut parts = Parts::default();
+        let mut parts = Parts {
+            newcomers: newcomers.renumbered(number),
+            ..Parts::default()
+        };
         let mut guests = BTreeMap::new();
         for (id, record) in records {
             let i = id as usize;
@@ -61,6 +76,7 @@ impl World {
         parts.pairs = own.filter_map(|pair| pair.renumbered(number)).collect();
         self.bodies.clear();
         self.motions.clear();
+        self.ahead.clear();
         self.awake.clear();
         Ok((parts, guests))
     }
@@ -70,6 +86,7 @@ impl World {
         &mut self,
         members: Vec<(Member, usize)>,
         pairs: Vec<PairRecord>,
+        newcomers: Newcomers,
         rank: usize,
     ) -> Result<Vec<BodyId>, SolveError> {
         let numbers: Vec<BodyId> = members.iter().map(|(member, _)| member.number).collect();
@@ -78,6 +95,7 @@ impl World {
             .into_iter()
             .filter_map(|pair| pair.renumbered(local))
             .collect();
+        self.newcomers = newcomers.renumbered(local);
         let mut records = Vec::with_capacity(members.len());
         for (id, (member, owner)) in (0..).zip(members) {
             let is_guest = owner != rank;
@@ -108,6 +126,7 @@ impl World {
             self.motions[id as usize] = member.motion;
             records.push((id, member.record, false));
         }
+        self.newcomers = parts.newcomers;
         self.share = None;
         Ok(self.batch.give_bodies(total, records, parts.pairs)?)
     }
@@ -122,7 +141,8 @@ impl World {
         self.not_shared("a checksum")?;
         let (mut parts, _) = self.clone().take_apart()?;
         parts.pairs.sort_by_key(PairRecord::sides);
-        checkpoint::hash(&(self.time, self.steps, self.step_control, parts))
+        let all = (self.time, self.steps, self.step_control);
+        checkpoint::hash(&(all, parts.members, parts.pairs))
     }
 }
 

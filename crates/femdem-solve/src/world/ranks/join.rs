@@ -1,0 +1,118 @@
+//! Bodies that are added to a shared world, and what all ranks know of the bodies of the whole.
+
+use super::{Link, Share, ranks};
+use crate::body::Body;
+use crate::checkpoint;
+use crate::error::SolveError;
+use crate::halo::Halo;
+use crate::world::World;
+use femdem_contact::BodyId;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// Whose a new body is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::world) enum Whose {
+    Own,
+    /// That of another rank, and near.
+    Guest,
+    /// That of another rank, with its number in the whole.
+    Other(BodyId),
+}
+
+impl World {
+    /// Gives a new body the next number in the whole, and the next one here if it is kept.
+    pub(in crate::world) fn enlist(&mut self, body: &Body) -> Result<Whose, SolveError> {
+        let Some(mut share) = self.share.take() else {
+            return Ok(Whose::Own);
+        };
+        let whose = self.enlist_in(&mut share, body);
+        self.share = Some(share);
+        whose
+    }
+
+    fn enlist_in(&self, share: &mut Share, body: &Body) -> Result<Whose, SolveError> {
+        if share.vacant > 0 {
+            return Err(ranks(
+                "bodies were removed before the world was shared out, and the next one would get such a number: gather it first",
+            ));
+        }
+        let number = share.total;
+        share.total += 1;
+        let owner = share.cuts.owner(&body.position);
+        let near = share.cuts.near(&body.position, self.reach()(body.radius));
+        let id = share.numbers.len() as BodyId;
+        let whose = if owner == share.rank {
+            for other in near.into_iter().filter(|other| *other != owner) {
+                share.link(other).lent.push(id);
+            }
+            Whose::Own
+        } else if near.contains(&share.rank) {
+            share.link(owner).guests.push(id);
+            Whose::Guest
+        } else {
+            return Ok(Whose::Other(number));
+        };
+        share.numbers.push(number);
+        share.until.push(body.travelled + self.way());
+        share.holds.push(false);
+        Ok(whose)
+    }
+
+    /// How many bodies the whole has.
+    #[must_use]
+    pub fn count_in_whole(&self) -> usize {
+        let share = self.share.as_deref();
+        share.map_or(self.body_count(), |s| (s.total - s.vacant) as usize)
+    }
+
+    /// The rigid bodies here that belong to no other rank and whose numbers in the whole are at least `number`, ascending.
+    pub fn own_bodies(&self, number: BodyId) -> impl DoubleEndedIterator<Item = BodyId> {
+        let share = self.share.as_deref();
+        let first = share.map_or(number, |share| {
+            share.numbers.partition_point(|other| *other < number) as BodyId
+        });
+        let last = self.bodies.len() as BodyId;
+        (first..last).filter(|&id| self.batch.is_rigid(id) && !self.is_guest(id))
+    }
+
+    /// What there is to say of each body of the whole, in the order of their numbers: all ranks get all of it.
+    ///
+    /// # Errors
+    /// [`SolveError::Ranks`] if the world was not shared out over these ranks, and what `halo` reports.
+    pub fn of_whole<T: Serialize + DeserializeOwned>(
+        &self,
+        halo: &mut dyn Halo,
+        of: impl Fn(&Self, BodyId) -> T,
+    ) -> Result<Vec<T>, SolveError> {
+        self.fits(halo)?;
+        let Some(share) = self.share.as_deref() else {
+            return Ok(self.body_ids().map(|id| of(self, id)).collect());
+        };
+        let own = self.own_bodies(0);
+        let own: Vec<(BodyId, T)> = own
+            .map(|id| (share.numbers[id as usize], of(self, id)))
+            .collect();
+        let message = checkpoint::encode(&own)?;
+        let messages = (0..halo.size()).map(|rank| (rank, message.clone()));
+        let mut all = Vec::with_capacity(share.total as usize);
+        for (_, bytes) in halo.send(messages.collect())? {
+            let part: Vec<(BodyId, T)> = checkpoint::decode(&bytes)?;
+            all.extend(part);
+        }
+        all.sort_by_key(|(number, _)| *number);
+        Ok(all.into_iter().map(|(_, value)| value).collect())
+    }
+}
+
+impl Share {
+    /// The link with a rank, a new one if need be.
+    fn link(&mut self, rank: usize) -> &mut Link {
+        let at = self.links.partition_point(|link| link.rank < rank);
+        if self.links.get(at).is_none_or(|link| link.rank != rank) {
+            let (lent, guests) = Default::default();
+            self.links.insert(at, Link { rank, lent, guests });
+        }
+        &mut self.links[at]
+    }
+}
