@@ -47,8 +47,9 @@ impl PeriodicSpace {
 #[derive(Clone, Debug)]
 pub struct WithImages {
     bodies: Vec<PosedBody>,
-    own: usize,
-    repeats: [bool; 3],
+    /// The body that each image, after the bodies themselves, is of.
+    sources: Vec<u32>,
+    cell: Option<PeriodicCell>,
 }
 
 impl WithImages {
@@ -74,7 +75,8 @@ impl WithImages {
         });
         let beyond = beyond.fold(0.0, f64::max) + reach;
         let mut all = bodies.to_vec();
-        for (body, posed) in bodies.iter().enumerate() {
+        let mut sources = Vec::new();
+        for ((body, posed), source) in bodies.iter().enumerate().zip(0_u32..) {
             let centre = pack.centroid(body);
             let span = pack.shape(body).bounding_radius() + beyond;
             for way in space.cell.images(&(centre - space.lower), span) {
@@ -87,13 +89,14 @@ impl WithImages {
                     let mut image = *posed;
                     image.pose.translation.vector += way;
                     all.push(image);
+                    sources.push(source);
                 }
             }
         }
         Ok(Self {
             bodies: all,
-            own: bodies.len(),
-            repeats: [0, 1, 2].map(|k| space.cell.repeats(k)),
+            sources,
+            cell: Some(space.cell),
         })
     }
 
@@ -101,9 +104,9 @@ impl WithImages {
     #[must_use]
     pub fn none(bodies: Vec<PosedBody>) -> Self {
         Self {
-            own: bodies.len(),
             bodies,
-            repeats: [false; 3],
+            sources: Vec::new(),
+            cell: None,
         }
     }
 
@@ -113,6 +116,6 @@ impl WithImages {
     /// As [`Pack::new`].
     pub fn pack<'a>(&'a self, shapes: &'a [Polyhedron]) -> Result<Pack<'a>, AnalysisError> {
         let pack = Pack::new(shapes, &self.bodies)?;
-        Ok(pack.with_own(self.own, self.repeats))
+        Ok(pack.in_cell(self.cell, &self.sources))
     }
 }

@@ -240,7 +240,9 @@ fn bad_options_of_pores_are_refused_by_name() {
         centre: Point3::origin(),
         radius: 1.0,
     };
-    assert!(voxel_image(&solids, &round, 0.1).is_err() && tube_surface(&round).is_err());
+    assert!(
+        voxel_image(&solids, &round, 0.1).is_err() && tube_surface(&round, [false; 3]).is_err()
+    );
     let nothing = Pack::new(&shapes, &[]).unwrap();
     assert_eq!(
         voxel_image(&Solids::new(&nothing), &unit, 0.1).unwrap_err(),

@@ -16,9 +16,10 @@ const MOST_MOVED: f64 = 0.5;
 
 /// Signed distance (m) of the centre of every voxel from the nearest solid, negative inside: see
 /// [`Solids::signed_distance`]. Bodies beyond the region count, too. Walls at the sides of the region count as
-/// solids, its ends do not. Voxels outside a round region have minus their distance from its side.
+/// solids, its ends do not, nor do sides along axes on which the image repeats itself. Voxels outside a round region have minus their distance from its side.
 ///
-/// Exact to round-off: distances are measured from the surfaces of the bodies, not from voxels.
+/// Exact to round-off: distances are measured from the surfaces of the bodies, not from voxels. In [periodic
+/// space](crate::WithImages) this needs all images within the largest of the distances.
 pub fn signed_distance(solids: &Solids, image: &VoxelImage, sides: Sides) -> Vec<f64> {
     let grid = &image.grid;
     let slabs = grid.counts[2].div_ceil(BLOCK);
@@ -63,7 +64,7 @@ fn block(
                 let index = grid.index([i, j, k]);
                 let point = grid.centre([i, j, k]);
                 let distance = if image.labels[index] == OUTSIDE {
-                    side_distance(&image.region, &point)
+                    side_distance(&image.region, image.repeats, &point)
                 } else {
                     if !listed {
                         solids.near(&(first + half), half.norm(), near);
@@ -71,7 +72,10 @@ fn block(
                     }
                     let of_bodies = solids.least(&point, near);
                     match sides {
-                        Sides::Wall => of_bodies.min(side_distance(&image.region, &point)),
+                        Sides::Wall => {
+                            let of_sides = side_distance(&image.region, image.repeats, &point);
+                            of_bodies.min(of_sides)
+                        }
                         Sides::Open => of_bodies,
                     }
                 };
@@ -94,7 +98,8 @@ pub fn deepest_void(image: &VoxelImage, distances: &[f64]) -> Option<Point3> {
     for ((index, label), distance) in image.labels.iter().enumerate().zip(distances) {
         let point = image.grid.centre(image.grid.position(index));
         let ends = (point.z - low.z).min(high.z - point.z);
-        let depth = distance.min(side_distance(&image.region, &point)).min(ends);
+        let of_sides = side_distance(&image.region, [false; 3], &point);
+        let depth = distance.min(of_sides).min(ends);
         if *label == VOID && deepest.is_none_or(|(most, _)| depth > most) {
             deepest = Some((depth, point));
         }

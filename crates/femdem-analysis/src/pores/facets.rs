@@ -57,12 +57,14 @@ pub struct FacetSurface {
 /// # Errors
 /// [`AnalysisError::Region`], [`AnalysisError::EmptyPack`].
 pub fn shrink_factor(pack: &Pack, region: &Region, sides: Sides) -> Result<f64, AnalysisError> {
+    let repeats = pack.repeats_over(region)?;
     let mut factor = 1.0;
     for step in 1..=10 {
         factor = 1.0 - 0.01 * f64::from(step);
         let found = facet_surface(pack, region, sides, Treatment::Shrink(factor))?;
         let mut corners = found.surface.vertices.iter();
-        let is_within = sides == Sides::Open || corners.all(|p| side_distance(region, p) >= 0.0);
+        let is_within =
+            sides == Sides::Open || corners.all(|p| side_distance(region, repeats, p) >= 0.0);
         if found.overlapping == 0 && is_within {
             break;
         }
@@ -88,11 +90,21 @@ pub fn facet_surface(
     if pack.is_empty() {
         return Err(AnalysisError::EmptyPack);
     }
-    let members: Vec<usize> = (0..pack.len())
-        .filter(|&i| region.relation(pack.bounds(i)) != Relation::Outside)
-        .collect();
+    let repeats = pack.repeats_over(region)?;
+    let (members, beyond): (Vec<usize>, Vec<usize>) =
+        (0..pack.len()).partition(|&i| region.relation(pack.bounds(i)) != Relation::Outside);
+    // What is beyond a side changes a body there as its image does at the other side.
+    let partners = match repeats {
+        [false, false, false] => members.clone(),
+        _ => [&members[..], &beyond].concat(),
+    };
     let bodies: Vec<Vec<Point3>> =
-        ordered_map(members.len(), || (), |(), k| corners(pack, members[k]));
+        ordered_map(partners.len(), || (), |(), k| corners(pack, partners[k]));
+    let walls = Walls {
+        region,
+        sides,
+        repeats,
+    };
     let mut found = FacetSurface {
         surface: Surface::default(),
         bodies: members.len(),
@@ -114,11 +126,11 @@ pub fn facet_surface(
             found.overlapping = overlapping(pack, &members, factor)?;
         }
         Treatment::Gap(gap) => {
-            let factors = Gaps::new(pack, &members, &bodies, gap)?.factors(region, sides)?;
+            let factors = Gaps::new(pack, &partners, &bodies, gap)?.factors(&walls)?;
             found.add_scaled(pack, region, &members, &bodies, &factors);
         }
         Treatment::Cap(gap) => {
-            let cuts = Gaps::new(pack, &members, &bodies, gap)?.cuts(region, sides);
+            let cuts = Gaps::new(pack, &partners, &bodies, gap)?.cuts(&walls);
             let wall = match (*region, sides) {
                 (Region::Cylinder { centre, radius, .. }, Sides::Wall) => {
                     Some((centre, radius, gap))
@@ -336,7 +348,7 @@ impl<'a> Gaps<'a> {
     }
 
     /// The factor of each body.
-    fn factors(&self, region: &Region, sides: Sides) -> Result<Vec<f64>, AnalysisError> {
+    fn factors(&self, walls: &Walls) -> Result<Vec<f64>, AnalysisError> {
         let centroid = |k: usize| self.pack.centroid(self.members[k]);
         let mut factors = vec![1.0_f64; self.members.len()];
         for ([i, j], separation) in &self.pairs {
@@ -347,8 +359,8 @@ impl<'a> Gaps<'a> {
             }
         }
         for (k, factor) in factors.iter_mut().enumerate() {
-            if sides == Sides::Wall {
-                let at_wall = factor_at_sides(&self.bodies[k], &centroid(k), region, self.gap);
+            if walls.sides == Sides::Wall {
+                let at_wall = walls.factor(&self.bodies[k], &centroid(k), self.gap);
                 *factor = factor.min(at_wall);
             }
             if *factor < LEAST_FACTOR {
@@ -363,7 +375,7 @@ impl<'a> Gaps<'a> {
     }
 
     /// The planes that each body is cut by, outward.
-    fn cuts(&self, region: &Region, sides: Sides) -> Vec<Vec<(Vector3, f64)>> {
+    fn cuts(&self, walls: &Walls) -> Vec<Vec<(Vector3, f64)>> {
         let mut cuts = vec![Vec::new(); self.members.len()];
         for ([i, j], separation) in &self.pairs {
             let middle = 0.5 * (separation.begin + separation.end);
@@ -371,9 +383,9 @@ impl<'a> Gaps<'a> {
             cuts[*i].push((separation.normal, middle - half));
             cuts[*j].push((-separation.normal, -(middle + half)));
         }
-        if let (Region::Box { min, max }, Sides::Wall) = (region, sides) {
+        if let (Region::Box { min, max }, Sides::Wall) = (walls.region, walls.sides) {
             for (corners, cuts) in self.bodies.iter().zip(&mut cuts) {
-                for k in 0..2 {
+                for k in (0..2).filter(|&k| !walls.repeats[k]) {
                     let axis: Vector3 = Vector3::ith(k, 1.0);
                     for (normal, offset) in [(axis, max[k] - self.gap), (-axis, -min[k] - self.gap)]
                     {
@@ -388,43 +400,54 @@ impl<'a> Gaps<'a> {
     }
 }
 
-/// The largest factor, at most 1, that keeps a body scaled about its centroid a gap from the sides of a region.
-fn factor_at_sides(corners: &[Point3], centroid: &Point3, region: &Region, gap: f64) -> f64 {
-    let mut factor = 1.0_f64;
-    for corner in corners {
-        let arm = corner - centroid;
-        match *region {
-            Region::Box { min, max } => {
-                for k in 0..2 {
-                    let room = if arm[k] > 0.0 {
-                        max[k] - gap - centroid[k]
-                    } else {
-                        centroid[k] - gap - min[k]
-                    };
-                    if arm[k].abs() > room {
-                        factor = factor.min(room / arm[k].abs());
+/// The upright sides of a region.
+struct Walls<'a> {
+    region: &'a Region,
+    sides: Sides,
+    /// Axes along which it has none.
+    repeats: [bool; 3],
+}
+
+impl Walls<'_> {
+    /// The largest factor, at most 1, that keeps a body scaled about its centroid a gap from the sides.
+    fn factor(&self, corners: &[Point3], centroid: &Point3, gap: f64) -> f64 {
+        let mut factor = 1.0_f64;
+        for corner in corners {
+            let arm = corner - centroid;
+            match *self.region {
+                Region::Box { min, max } => {
+                    for k in (0..2).filter(|&k| !self.repeats[k]) {
+                        let room = if arm[k] > 0.0 {
+                            max[k] - gap - centroid[k]
+                        } else {
+                            centroid[k] - gap - min[k]
+                        };
+                        if arm[k].abs() > room {
+                            factor = factor.min(room / arm[k].abs());
+                        }
                     }
                 }
-            }
-            Region::Cylinder { centre, radius, .. } => {
-                let out = [centroid.x - centre[0], centroid.y - centre[1]];
-                let square = |s: f64| (out[0] + s * arm.x).powi(2) + (out[1] + s * arm.y).powi(2);
-                let limit = (radius - gap).max(0.0).powi(2);
-                if square(0.0) >= limit {
-                    return 0.0;
+                Region::Cylinder { centre, radius, .. } => {
+                    let out = [centroid.x - centre[0], centroid.y - centre[1]];
+                    let square =
+                        |s: f64| (out[0] + s * arm.x).powi(2) + (out[1] + s * arm.y).powi(2);
+                    let limit = (radius - gap).max(0.0).powi(2);
+                    if square(0.0) >= limit {
+                        return 0.0;
+                    }
+                    if square(factor) > limit {
+                        // The positive root of |out + s arm|² = limit.
+                        let a = arm.x * arm.x + arm.y * arm.y;
+                        let b = out[0] * arm.x + out[1] * arm.y;
+                        let c = out[0] * out[0] + out[1] * out[1] - limit;
+                        factor = ((b * b - a * c).sqrt() - b) / a;
+                    }
                 }
-                if square(factor) > limit {
-                    // The positive root of |out + s arm|² = limit.
-                    let a = arm.x * arm.x + arm.y * arm.y;
-                    let b = out[0] * arm.x + out[1] * arm.y;
-                    let c = out[0] * out[0] + out[1] * out[1] - limit;
-                    factor = ((b * b - a * c).sqrt() - b) / a;
-                }
+                Region::Sphere { .. } => {}
             }
-            Region::Sphere { .. } => {}
         }
+        factor
     }
-    factor
 }
 
 #[cfg(test)]
