@@ -304,7 +304,8 @@ impl Nodes<'_> {
                 }
             }
         }
-        if self.is_drawn_back(outer) {
+        let drawn_back = self.is_drawn_back(outer);
+        if drawn_back {
             part = 0.0;
         } else if mask == 0 {
             mask = BODIES;
@@ -313,13 +314,13 @@ impl Nodes<'_> {
                 part = a / (a - b);
             }
         }
-        if part > 0.0 {
+        if !drawn_back {
             part = part.clamp(LEAST_PART, 1.0 - LEAST_PART);
         }
         let mut point = from + (to - from) * part;
         for k in (0..3).filter(|&k| repeats[k]) {
             // What is drawn back lies where its inner node does.
-            let stays = part == 0.0 || inner[k] == outer[k];
+            let stays = drawn_back || inner[k] == outer[k];
             let within = self.end(inner[k], k).filter(|_| stays);
             if let Some(end) = beyond[k].or(within) {
                 point[k] = self.ends[end][k];
