@@ -1,7 +1,7 @@
 //! Candidate pairs: grids over inflated bounding boxes, refreshed body by body.
 //!
-//! Each body keeps its bounding box of the time when it was last entered, inflated by half a skin. It is
-//! entered again once the bound of its travel, rotation included, exceeds that half skin; bodies that do not
+//! Each body, rigid or deformable, keeps its bounding box of the time when it was last entered, inflated by half a skin. It is
+//! entered again once the bound of the travel of its points exceeds that half skin; bodies that do not
 //! move cost nothing.
 //!
 //! Bodies whose sizes differ by less than four to one share a grid, whose cell size is set by the largest of
@@ -11,7 +11,6 @@
 //! space over the way to the images beside it, count as travel of the body.
 
 use crate::body_shape::BodyShape;
-use crate::motion::Motion;
 use crate::periodic::Space;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -27,6 +26,21 @@ type Cell = [i32; 3];
 
 /// Index of a size class; sizes within a class differ by less than four to one.
 type Level = u16;
+
+/// The place and the size of a body.
+#[derive(Debug, Clone)]
+pub(crate) struct Extent {
+    /// Corners of its box, m.
+    pub low: Vector3,
+    pub high: Vector3,
+    /// No point is farther than `radius` (m) from here, m.
+    pub centre: Vector3,
+    pub radius: f64,
+    /// Half of the gap over which it may attract others, m.
+    pub margin: f64,
+    /// Running bound of the travel of its points, m.
+    pub travelled: f64,
+}
 
 /// Where a body is looked for.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -165,46 +179,36 @@ impl Broadphase {
         self.entries[body] = Some(entry);
     }
 
-    /// Half skin of a shape, m: how far a body may travel before it must be entered again.
-    pub(crate) fn half_skin(shape: &BodyShape) -> f64 {
-        0.5 * SKIN * shape.radius()
+    /// Half skin of a body of a radius, m: how far its points may travel before it must be entered again.
+    pub(crate) fn half_skin(radius: f64) -> f64 {
+        0.5 * SKIN * radius
     }
 
     /// Enters a body at its current place.
-    pub(crate) fn enter(
-        &mut self,
-        body: usize,
-        shape: &BodyShape,
-        motion: &Motion,
-        space: Option<&Space>,
-    ) {
-        let (half_skin, margin) = (Self::half_skin(shape), self.margin(shape));
-        let level = level_of(2.0 * (shape.radius() + half_skin));
-        let reach = shape.radius() + half_skin + margin;
+    pub(crate) fn enter(&mut self, body: usize, extent: &Extent, space: Option<&Space>) {
+        let half_skin = Self::half_skin(extent.radius);
+        let level = level_of(2.0 * (extent.radius + half_skin));
+        let reach = extent.radius + half_skin + extent.margin;
         let grid = self.grids.entry(level).or_default();
         if 2.0 * reach > grid.size {
             grid.resize(2.0 * reach, level, &mut self.entries);
         }
+        let size = grid.size;
         if self.entries.len() <= body {
             self.entries.resize(body + 1, None);
         }
-        let position = motion.frame.position;
-        let (image, centre) = space.map_or(([0; 3], position), |space| space.cell.split(&position));
-        let (low, high) = shape.bounds(&motion.frame.rotation);
-        let cell = cell_of(&centre, grid.size);
-        // A body keeps its shape, and so its level, until it is forgotten.
-        if let Some(old) = self.entries[body].as_ref().map(|e| e.cell)
-            && old != cell
-        {
-            grid.remove(&old, body as u32);
-        }
-        let members = grid.cells.entry(cell).or_default();
-        if !members.contains(&(body as u32)) {
-            members.push(body as u32);
+        let place = extent.centre;
+        let (image, centre) = space.map_or(([0; 3], place), |space| space.cell.split(&place));
+        let (cell, away) = (cell_of(&centre, size), centre - place);
+        let old = self.entries[body].as_ref().map(|e| (e.level, e.cell));
+        if old != Some((level, cell)) {
+            self.forget(body);
+            let grid = self.grids.entry(level).or_default();
+            grid.cells.entry(cell).or_default().push(body as u32);
         }
         let mut entry = Entry {
-            low: (low + centre).add_scalar(-half_skin - margin),
-            high: (high + centre).add_scalar(half_skin + margin),
+            low: (extent.low + away).add_scalar(-half_skin - extent.margin),
+            high: (extent.high + away).add_scalar(half_skin + extent.margin),
             centre,
             reach,
             level,
@@ -213,7 +217,7 @@ impl Broadphase {
             lever: space.map_or(0.0, |space| DIAGONALS * space.cell.diagonal()),
             expires: 0.0,
         };
-        entry.expires = entry.travel(motion.travelled, space) + half_skin;
+        entry.expires = entry.travel(extent.travelled, space) + half_skin;
         self.entries[body] = Some(entry);
     }
 

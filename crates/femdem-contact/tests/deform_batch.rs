@@ -64,7 +64,15 @@ impl Scene {
         self.bodies.push(soft);
     }
 
+    /// All motions, by number.
+    fn motions(&self) -> Vec<Motion> {
+        let mut motions = vec![Motion::fixed(Frame::identity()); self.bodies.len()];
+        motions.extend(&self.rigid);
+        motions
+    }
+
     fn update(&mut self) -> Result<(), ContactError> {
+        let motions = self.motions();
         let mut nodes: Vec<NodalState> = (0..self.bodies.len())
             .map(|i| NodalState {
                 positions: &self.bodies[i].x,
@@ -72,8 +80,6 @@ impl Scene {
                 inverse_masses: &self.masses[i],
             })
             .collect();
-        let mut motions = vec![Motion::fixed(Frame::identity()); nodes.len()];
-        motions.extend(&self.rigid);
         nodes.resize(
             motions.len(),
             NodalState {
@@ -199,6 +205,66 @@ fn kept_lists_find_what_fresh_ones_find() {
         kept.drift(2e-3);
     }
     assert_eq!(seen, [true; 3]);
+}
+
+/// A deformable and a rigid body that fly past a row of others, over many times the skins of the search, and a wall that follows
+/// them, meet what they would meet if all were looked for anew.
+#[test]
+fn bodies_from_afar_are_found() {
+    let mut scene = Scene::new(law(|p| p.friction = 0.0));
+    let at = |x: f64, y: f64, z: f64| Frame {
+        position: Vector3::new(x, y, z),
+        ..Frame::identity()
+    };
+    for k in 0..5 {
+        let resting = Soft::linear(&cube(1)).posed(&at(1.5 * f64::from(k), 0.0, 0.0));
+        scene.add(resting, Modulus::Penalty(1e5));
+    }
+    // On its way it also overtakes the rigid body, and the wall overtakes both.
+    scene.add(
+        Soft::linear(&cube(1)).posed(&at(-3.0, 0.95, 0.0)),
+        Modulus::Penalty(1e5),
+    );
+    scene.velocities[5].fill(Vector3::x() * 1.4);
+    let shape = BodyShape::from(body(&cube(1), Field::Body));
+    scene.batch.add_shape(shape);
+    scene.batch.add_body(0).unwrap();
+    let turn = Vector3::zeros();
+    scene
+        .rigid
+        .push(moving(at(-1.0, 0.5, 0.95), Vector3::x(), turn));
+    let wall = Wall::half_space("behind", Vector3::x(), 0.0).unwrap();
+    scene.batch.add_wall(wall);
+    scene
+        .walls
+        .push(moving(at(-6.0, 0.0, 0.0), Vector3::x() * 1.8, turn));
+    let start = scene.batch.clone();
+    let touching = |scene: &Scene| -> Vec<_> {
+        let contacts = scene.batch.deformable_contacts();
+        contacts.map(|c| (c.a, c.b)).collect()
+    };
+    let mut met = std::collections::BTreeSet::new();
+    for step in 0..440 {
+        // A rigid body may be looked up again in an update of its own kind, long before the deformable ones are.
+        if step % 3 > 0 {
+            let motions = scene.motions();
+            scene.batch.update(&motions, &scene.walls, 0.0).unwrap();
+        }
+        if step % 3 == 1 {
+            scene.drift(0.02);
+            continue;
+        }
+        scene.update().unwrap();
+        let mut fresh = scene.clone();
+        fresh.batch = start.clone();
+        fresh.update().unwrap();
+        let found = touching(&scene);
+        assert_eq!(found, touching(&fresh), "step {step}");
+        met.extend(found);
+        scene.drift(0.02);
+    }
+    // Each of the two meets the five; they meet each other, and the wall meets the six.
+    assert_eq!(met.len(), 5 + 5 + 1 + 6, "{met:?}");
 }
 
 /// What is removed acts no more than what is a kilometre away, at once and in the next update, in which its state is not

@@ -1,7 +1,7 @@
 //! Deformable bodies of the batch: they have a number as all bodies do, and meet everything else.
 
-use super::ContactBatch;
 use super::gather::Sums;
+use super::{ContactBatch, Snapshot};
 use crate::body_shape::Kind;
 use crate::contact::{BodyId, Load, Partner};
 use crate::deform::{
@@ -99,6 +99,7 @@ impl ContactBatch {
             });
         }
         part.crack(body, shape, cracked);
+        self.broadphase.forget(body as usize);
         Ok(())
     }
 
@@ -127,6 +128,7 @@ impl ContactBatch {
     /// [`ContactError::NoSuch`] if there is no such deformable body.
     pub fn set_self_contact(&mut self, body: BodyId, on: bool) -> Result<(), ContactError> {
         self.known_deformable(body)?.set_self_contact(body, on);
+        self.broadphase.forget(body as usize);
         Ok(())
     }
 
@@ -158,7 +160,8 @@ impl ContactBatch {
         walls: &[Motion],
         dt: f64,
     ) -> Result<(), ContactError> {
-        self.check(&super::Snapshot { bodies, walls, dt })?;
+        let view = Snapshot { bodies, walls, dt };
+        self.check(&view)?;
         self.check_nodes(nodes)?;
         let kinds: Vec<Option<u32>> = (0..self.body_slots.total() as u32)
             .map(|body| self.shape_index(body))
@@ -172,9 +175,13 @@ impl ContactBatch {
         }
         self.make_fans()?;
         if let Some(part) = &mut self.deformable {
+            part.advance(nodes)?;
+        }
+        self.search(view)?;
+        let found = self.search_deformables(walls)?;
+        if let Some(part) = &mut self.deformable {
             let around = Around {
                 materials: &self.materials,
-                rigid_shapes: &self.shapes,
                 rigid_meshes: &self.fans,
                 rigid_kinds: &kinds,
                 wall_shapes: &self.walls,
@@ -183,7 +190,7 @@ impl ContactBatch {
                 space: self.space.as_ref(),
                 dt,
             };
-            part.update(nodes, &around)?;
+            part.update(nodes, &around, found)?;
         }
         self.sum_loads();
         Ok(())
@@ -256,8 +263,8 @@ impl ContactBatch {
         part.map_or(NodalLoads::default(), |part| part.nodal_loads(body))
     }
 
-    /// By number, whether anything is near a deformable body. The others touch nothing until they, or what they may meet,
-    /// have moved by a twentieth of their radius since the last update.
+    /// By number, whether anything is near a deformable body. The others touch nothing, and did not come near anything in the
+    /// last update.
     pub fn have_neighbours(&self) -> Vec<bool> {
         let part = self.deformable.as_ref();
         part.map_or_else(Vec::new, |part| part.have_neighbours())

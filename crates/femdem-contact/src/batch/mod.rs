@@ -477,16 +477,11 @@ impl ContactBatch {
             self.check(&view)?;
         }
         let view = ahead.unwrap_or(now);
-        let Snapshot { bodies, walls, .. } = view;
+        let bodies = view.bodies;
         self.pairs.left.clear();
         self.pairs.broken = 0.0;
         if view.dt > 0.0 {
             self.last_step = view.dt;
-        }
-        if std::mem::take(&mut self.awake_changed) {
-            let awake = self.awake.iter().enumerate().filter(|x| *x.1);
-            self.awake_list = awake.map(|(i, _)| i as BodyId).collect();
-            self.find_never_entered(bodies, walls)?;
         }
         self.make_fans()?;
         self.search(view)?;

@@ -60,7 +60,7 @@ pub(super) fn check(batch: &ContactBatch, shapes: &[BodyShape]) -> Result<(), Co
             .zip(&batch.awake)
             .all(|(i, awake)| !awake || is_body(i))
         && batch.bonds.are_sound(is_body)
-        && batch.broadphase.fits(is_body)
+        && batch.broadphase.fits(|body| batch.contains(body))
         && batch.awake_list.iter().all(|&i| is_body(i))
         && table.indices_fit()
         && table

@@ -12,6 +12,7 @@ mod periodic;
 mod prepare;
 mod remove;
 mod reshape;
+mod search;
 mod sleep;
 mod state;
 mod touching;
@@ -21,7 +22,6 @@ use super::record::{DeformableTotals, NodalLoads, NodalState};
 use super::scratch::Scratches;
 use super::shape::{DeformableShape, Modulus};
 use super::side::Side;
-use crate::body_shape::BodyShape;
 use crate::contact::{BodyId, Load};
 use crate::error::ContactError;
 use crate::general::FieldMesh;
@@ -45,8 +45,7 @@ use std::sync::Arc;
 /// What the contacts of deformable bodies need of the batch around them. Lists are by number of the bodies, or of the walls.
 pub(crate) struct Around<'a> {
     pub materials: &'a Materials,
-    pub rigid_shapes: &'a [BodyShape],
-    /// The same as tetrahedra.
+    /// Shapes of rigid bodies as tetrahedra.
     pub rigid_meshes: &'a [Arc<FieldMesh>],
     /// The shapes of the rigid bodies.
     pub rigid_kinds: &'a [Option<u32>],
@@ -70,6 +69,10 @@ pub(crate) struct DeformablePart {
     count: usize,
     rigid_sleep: Vec<Sleep>,
     pairs: PairList,
+    /// Bodies that were entered anew since pairs were listed last; of rigid ones the deformable neighbours.
+    entered: BTreeMap<BodyId, Vec<BodyId>>,
+    /// Whether a wall has moved away since then.
+    walls_moved: bool,
     /// Initial friction of pairs, applied in the next update.
     starts: BTreeMap<(Side, BodyId), FrictionStart>,
     rigid_loads: Vec<Load>,
@@ -106,7 +109,6 @@ impl DeformablePart {
         let kind = &self.shapes[shape as usize];
         self.bodies[id as usize] = SoftBody::new(shape, kind, modulus);
         self.count += 1;
-        self.pairs.forget_search();
     }
 
     /// Sets whether a deformable body may touch itself. Initially it does not.
@@ -116,7 +118,6 @@ impl DeformablePart {
             body.bend = on.then(Bend::default);
         }
         body.sleep.stir();
-        self.pairs.forget_search();
     }
 
     /// Whether a deformable body may touch itself.
@@ -129,7 +130,6 @@ impl DeformablePart {
     pub fn add_rigid(&mut self, id: BodyId) {
         self.reach(id);
         self.rigid_sleep[id as usize] = Sleep::Awake;
-        self.pairs.forget_search();
     }
 
     /// Makes the lists long enough for a number.
@@ -146,7 +146,6 @@ impl DeformablePart {
         self.evaluate_all();
         let count = self.wall_loads.len().max(wall as usize + 1);
         self.wall_loads.resize(count, Load::default());
-        self.pairs.forget_search();
     }
 
     /// Makes the next update evaluate the contacts of sleepers too.
@@ -198,6 +197,7 @@ impl DeformablePart {
             && (0..)
                 .zip(&self.bodies)
                 .all(|(i, body)| !body.is_there || is_there(Side::Deformable(i)))
+            && self.entered.keys().all(|&body| is_there(Side::Rigid(body)))
             && self.pairs.fits(|side| {
                 let kind = match side {
                     Side::Deformable(body) => self.contains(body),
@@ -242,17 +242,25 @@ impl DeformablePart {
         body.is_some_and(|body| body.is_there)
     }
 
-    /// Finds and evaluates all contacts of the deformable bodies: see
-    /// [`ContactBatch::update_deformables`](crate::ContactBatch::update_deformables).
-    pub fn update(&mut self, states: &[NodalState], around: &Around) -> Result<(), ContactError> {
-        body::advance(&mut self.bodies, states)?;
+    /// Takes over the present positions of all nodes.
+    pub fn advance(&mut self, states: &[NodalState]) -> Result<(), ContactError> {
+        body::advance(&mut self.bodies, states)
+    }
+
+    /// Evaluates all contacts of the deformable bodies where they [are](Self::advance), after the search, which has found another
+    /// pair or not: see [`ContactBatch::update_deformables`](crate::ContactBatch::update_deformables).
+    pub fn update(
+        &mut self,
+        states: &[NodalState],
+        around: &Around,
+        found: bool,
+    ) -> Result<(), ContactError> {
         let context = Context {
             around,
             shapes: &self.shapes,
             rigid_sleep: &self.rigid_sleep,
             states,
         };
-        let found = self.count > 0 && self.pairs.search(&context, &mut self.bodies)?;
         let begins = !self.starts.is_empty();
         if begins {
             for pair in self.pairs.list_mut() {

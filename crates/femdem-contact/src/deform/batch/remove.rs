@@ -45,6 +45,9 @@ impl DeformablePart {
         let own = |a: Side, b: BodyId| a == thing || Side::Deformable(b) == thing;
         self.pairs.end(|pair| own(pair.a, pair.b));
         self.starts.retain(|(a, b), _| !own(*a, *b));
+        if let Partner::Body(body) = thing.into() {
+            self.entered.remove(&body);
+        }
         if let Side::Deformable(body) = thing {
             self.bodies[body as usize].displaced();
         }

@@ -54,7 +54,6 @@ impl DeformablePart {
                 }
             }
         }
-        self.pairs.forget_search();
     }
 }
 
