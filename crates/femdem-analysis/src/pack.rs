@@ -36,8 +36,8 @@ struct ShapeData {
 /// Largest number of faces for which cutting by all planes is faster than looking up triangles in a tree.
 const MOST_PLANES: usize = 64;
 
-/// Along an axis that repeats itself a region is the whole of the cell if it is as wide to this part of it.
-pub(crate) const WHOLE: f64 = 1e-9;
+/// Regions are as wide as the cell, or as each other, to this part of their width: numbers are typed with 7 digits or more.
+pub(crate) const WHOLE: f64 = 1e-6;
 
 /// A checked pack: shapes, the bodies that use them, and a box around each body.
 ///
@@ -154,18 +154,26 @@ impl<'a> Pack<'a> {
         }
     }
 
-    /// The axes along which a region repeats itself: those of [periodic space](crate::WithImages) along which it is a box as wide as
-    /// the cell.
+    /// The axes along which a region repeats itself: those of [periodic space](crate::WithImages) along which it is a box, or a
+    /// cylinder on end, as long as the cell.
     ///
     /// # Errors
     /// [`AnalysisError::TiltedCell`] if it is, but the edges of the cell lean.
     pub fn repeats_over(&self, region: &Region) -> Result<[bool; 3], AnalysisError> {
-        let (Some(cell), Region::Box { min, max }) = (self.cell, region) else {
+        let Some(cell) = self.cell else {
             return Ok([false; 3]);
         };
+        let (min, max) = region.corners();
+        let is_flat = match region {
+            Region::Box { .. } => [true; 3],
+            Region::Cylinder { .. } => [false, false, true],
+            Region::Sphere { .. } => [false; 3],
+        };
         let edges = cell.edges();
-        let whole =
-            |k: usize| cell.repeats(k) && ((max[k] - min[k]) / edges[(k, k)] - 1.0).abs() <= WHOLE;
+        let whole = |k: usize| {
+            let is_as_long = ((max[k] - min[k]) / edges[(k, k)] - 1.0).abs() <= WHOLE;
+            is_flat[k] && cell.repeats(k) && is_as_long
+        };
         let repeats = [0, 1, 2].map(whole);
         for k in (0..3).filter(|&k| repeats[k]) {
             let mut edge = edges.column(k).into_owned();
@@ -178,6 +186,38 @@ impl<'a> Pack<'a> {
             }
         }
         Ok(repeats)
+    }
+
+    /// Whether a region has the upright sides of another one, but along axes along which it repeats itself: there it has none.
+    ///
+    /// # Errors
+    /// As [`repeats_over`](Self::repeats_over).
+    pub fn has_sides_of(&self, region: &Region, other: &Region) -> Result<bool, AnalysisError> {
+        let repeats = self.repeats_over(region)?;
+        Ok(match (*region, *other) {
+            (
+                Region::Box { min, max },
+                Region::Box {
+                    min: low,
+                    max: high,
+                },
+            ) => (0..2).filter(|&k| !repeats[k]).all(|k| {
+                let off = (min[k] - low[k]).abs() + (max[k] - high[k]).abs();
+                off <= WHOLE * (high[k] - low[k])
+            }),
+            (
+                Region::Cylinder { centre, radius, .. },
+                Region::Cylinder {
+                    centre: middle,
+                    radius: whole,
+                    ..
+                },
+            ) => {
+                let off = (centre[0] - middle[0]).hypot(centre[1] - middle[1]);
+                off + (radius - whole).abs() <= WHOLE * whole
+            }
+            _ => false,
+        })
     }
 
     /// Number of bodies, images included.

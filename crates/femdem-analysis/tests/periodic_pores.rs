@@ -4,19 +4,12 @@
 
 use std::f64::consts::PI;
 
-use crate::common::pores::{ball, region};
-use crate::common::{Random, at, solid, turned_lattice};
-use femdem_analysis::mesh::{Matrix3, PeriodicCell};
+use crate::common::at;
+use crate::common::pores::{ball, cuboid, region, space};
+use femdem_analysis::mesh::Matrix3;
 use femdem_analysis::pores::*;
 use femdem_analysis::*;
-use femdem_mesh::{Point3, Polyhedron, Vector3};
-
-fn space(sides: [Option<f64>; 3]) -> PeriodicSpace {
-    PeriodicSpace {
-        cell: PeriodicCell::new(sides).unwrap(),
-        lower: Point3::origin(),
-    }
-}
+use femdem_mesh::{Point3, Vector3};
 
 /// Centres of balls of radius 0.3 m, of which no two images overlap in a cell of 2 m, 1.6 m and 1.8 m, off the planes of voxels.
 const CENTRES: [[f64; 3]; 4] = [
@@ -100,12 +93,6 @@ fn a_slit_is_as_wide_across_a_face() {
     }
 }
 
-fn cuboid(low: [f64; 3], high: [f64; 3]) -> Polyhedron {
-    let corners = (0..8)
-        .map(|c| Point3::from([0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] })));
-    femdem_mesh::convex_hull(&corners.collect::<Vec<_>>()).unwrap()
-}
-
 /// Shelves with a slot at x from 0.85 to 0.95 and one from 0.05 to 0.15, in cells of 1 m: the way through the face is 0.1 m wide,
 /// that within it 0.7 m.
 #[test]
@@ -174,106 +161,88 @@ fn a_cell_that_leans_is_refused_by_name() {
     );
 }
 
-/// Triangles of a part, moved, by corners that are sorted.
-fn sorted(surface: &Surface, part: SurfacePatch, way: Vector3) -> Vec<[[i64; 3]; 3]> {
-    let key = |p: Point3| [0, 1, 2].map(|k| ((p[k] + way[k]) * 1e9).round() as i64);
-    let mut found: Vec<_> = surface
-        .part(part)
-        .map(|triangle| {
-            let mut corners = triangle.map(key);
-            corners.sort_unstable();
-            corners
-        })
-        .collect();
-    found.sort_unstable();
-    found
+fn upright(radius: f64, z: [f64; 2]) -> Region {
+    Region::Cylinder {
+        centre: [0.0; 2],
+        radius,
+        z_min: z[0],
+        z_max: z[1],
+    }
 }
 
-/// Bodies in a corner and over edges of the cell, with a bridge through a face: the surface of the void is closed, has the volume
-/// of the image, and equal triangles on opposite sides.
+/// A ball on the ends of an upright cylinder that is a period long, and half a period off them.
 #[test]
-fn opposite_sides_of_the_void_have_the_same_triangles() {
-    let shapes = [solid("A10", 0.8)];
-    let mut bodies = turned_lattice(&mut Random(5), 1, 2, 0.8);
-    bodies.truncate(5);
-    for sides in [
-        [Some(1.987); 3],
-        [Some(1.987), Some(1.987), None],
-        [Some(1.987), None, None],
-    ] {
-        let cell = region([-0.313, -0.207, -0.911], [1.674, 1.78, 1.076]);
-        let around = PeriodicSpace {
-            lower: cell.corners().0,
-            ..space(sides)
-        };
-        let images = WithImages::new(&shapes, &bodies, &around, &cell, 1.0).unwrap();
+fn a_cylinder_goes_on_through_its_ends() {
+    let shapes = [ball(0.3)];
+    let around = space([None, None, Some(1.0)]);
+    let found = [0.013, 0.513].map(|z| {
+        let bodies = at([Vector3::new(0.1, 0.0, z)]);
+        let drum = upright(0.6, [0.0, 1.0]);
+        let images = WithImages::new(&shapes, &bodies, &around, &drum, 1.0).unwrap();
         let pack = images.pack(&shapes).unwrap();
-        let solids = Solids::new(&pack);
-        let image = voxel_image(&solids, &cell, 0.04).unwrap();
-        let distances = signed_distance(&solids, &image, Sides::Open);
-        let bridge = Bridge {
-            point: Point3::new(-0.29, 0.9, 0.1),
-            normal: Vector3::x(),
-            radius: 0.1,
-        };
-        let surface = void_surface(&image, &distances, &[bridge]).unwrap();
-        let check = surface.check();
-        assert!(check.is_closed() && check.degenerate == 0, "{check:?}");
-        let exact = cell.volume() * (1.0 - exact_density(&pack, &cell).unwrap().density);
-        assert!(
-            (check.volume / exact - 1.0).abs() < 3e-3,
-            "{} {exact}",
-            check.volume
-        );
-        let (low, high) = surface_region(&image).corners();
-        for (k, [near, far]) in [
-            [SurfacePatch::XLow, SurfacePatch::XHigh],
-            [SurfacePatch::YLow, SurfacePatch::YHigh],
-            [SurfacePatch::Low, SurfacePatch::High],
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            let mut way = Vector3::zeros();
-            way[k] = high[k] - low[k];
-            let [a, b] =
-                [(near, way), (far, Vector3::zeros())].map(|(p, w)| sorted(&surface, p, w));
-            if sides[k].is_some() {
-                assert!(
-                    a.len() > 100 && a == b,
-                    "{sides:?} {k}: {} {}",
-                    a.len(),
-                    b.len()
-                );
-            } else {
-                assert_eq!(a.is_empty(), k < 2);
-            }
-        }
+        let solids = Solids::new(&pack).with_balls(&[Some(0.3)]).unwrap();
+        let image = voxel_image(&solids, &drum, 0.02).unwrap();
+        assert_eq!(image.repeats, [false, false, true]);
+        let distances = signed_distance(&solids, &image, Sides::Wall);
+        let diameters = local_thickness(&image, &distances).unwrap();
+        let sizes = PoreSizes::new(&image, &diameters).unwrap();
+        let ways = paths(&image).tortuosity;
+        (
+            image.counts(),
+            [sizes.mean, sizes.largest, ways.mean.unwrap()],
+        )
+    });
+    assert_eq!(found[0].0, found[1].0);
+    for (a, b) in found[0].1.iter().zip(&found[1].1) {
+        assert!((a / b - 1.0).abs() < 1e-3, "{found:?}");
     }
 }
 
-/// Caps of bodies at a face are those of their images at the other face, also where the partner lies wholly beyond it.
+/// The cell is a third of a metre wide along x and has walls along y.
 #[test]
-fn bodies_at_opposite_faces_are_cut_alike() {
-    let shapes = [cuboid([-0.5; 3], [0.5; 3])];
-    // Face to face at x = 0, the face of the cell.
-    let bodies = at([Vector3::new(0.4995, 0.5, 0.5), Vector3::new(2.5, 0.5, 0.5)]);
-    let cell = region([0.0; 3], [3.0; 3]);
-    let around = space([Some(3.0); 3]);
-    let images = WithImages::new(&shapes, &bodies, &around, &cell, 0.5).unwrap();
+fn sides_are_walls_where_they_are_those_of_the_container() {
+    let bodies = at([Vector3::zeros()]);
+    let shapes = [ball(0.01)];
+    let cell = region([0.0; 3], [1.0 / 3.0, 1.0, 1.0]);
+    let around = space([Some(1.0 / 3.0), None, None]);
+    let images = WithImages::new(&shapes, &bodies, &around, &cell, 0.0).unwrap();
     let pack = images.pack(&shapes).unwrap();
-    let found = facet_surface(&pack, &cell, Sides::Wall, Treatment::Cap(0.01)).unwrap();
-    // The gap lies about x = -0.00025 and 2.99975, and there are no walls.
-    for middle in [-0.00025, 2.99975] {
-        let off = |p: &Point3| p.x - middle;
-        let near = found
-            .surface
-            .vertices
-            .iter()
-            .map(off)
-            .filter(|x| x.abs() < 0.1);
-        let nearest = near.map(f64::abs).fold(f64::INFINITY, f64::min);
-        assert!((nearest - 0.005).abs() < 1e-9, "{nearest}");
+    let found = |region: &Region, other: &Region| {
+        let repeats = pack.repeats_over(region).unwrap();
+        (repeats[0], pack.has_sides_of(region, other).unwrap())
+    };
+    // Typed, begun elsewhere, narrower along x, narrower along y.
+    for (low, high, repeats, same) in [
+        ([0.0; 3], [0.333_333_3, 1.0, 0.5], true, true),
+        ([0.1, 0.0, 0.0], [0.433_333_3, 1.0, 1.0], true, true),
+        ([0.0; 3], [0.333, 1.0, 1.0], false, false),
+        ([0.0; 3], [0.333_333_3, 0.99, 1.0], true, false),
+    ] {
+        assert_eq!(
+            found(&region(low, high), &cell),
+            (repeats, same),
+            "{high:?}"
+        );
     }
-    assert!((found.surface.check().volume / found.volume - 1.0).abs() < 1e-6);
+    let drum = upright(1.0, [0.0, 5.0]);
+    assert_eq!(found(&upright(1.0, [0.0, 2.0]), &drum), (false, true));
+    assert_eq!(found(&upright(0.9, [0.0, 2.0]), &drum), (false, false));
+    assert_eq!(found(&cell, &drum), (true, false));
+}
+
+/// Small balls at the centres of the voxels that lie in a cylinder: its mantle is far from them.
+#[test]
+fn images_count_as_far_as_the_void_is_wide() {
+    let shapes = [ball(0.01)];
+    let drum = upright(1.0, [0.0, 0.5]);
+    let all =
+        [-0.75_f64, -0.25, 0.25, 0.75].map(|x| [-0.75_f64, -0.25, 0.25, 0.75].map(|y| [x, y]));
+    let places = all.as_flattened().iter().filter(|[x, y]| x.hypot(*y) < 1.0);
+    let bodies = at(places.map(|[x, y]| Vector3::new(*x, *y, 0.25)));
+    assert_eq!(bodies.len(), 12);
+    let pack = Pack::new(&shapes, &bodies).unwrap();
+    let solids = Solids::new(&pack);
+    let reach = images_reach(&solids, &drum, 0.5, 0.0).unwrap();
+    let rim = Point3::new(0.5_f64.sqrt(), 0.5_f64.sqrt(), 0.5);
+    assert!(reach >= solids.signed_distance(&rim), "{reach}");
 }

@@ -1,8 +1,10 @@
 //! The signed distance of every voxel from the solids.
 
-use super::image::{OUTSIDE, VOID, VoxelImage};
+use super::image::{OUTSIDE, VOID, VoxelImage, voxel_image};
 use super::solids::{Sides, Solids, side_distance};
+use crate::error::AnalysisError;
 use crate::ordered::ordered_map;
+use crate::region::Region;
 use femdem_mesh::{Point3, Vector3};
 
 /// Side of a block of voxels that share a list of near bodies.
@@ -85,6 +87,28 @@ fn block(
     }
 }
 
+/// How far from the box around a region the images of bodies count (m), found from those near it with voxels of sides near `voxel`
+/// (m): no point of the box is farther from the nearest body, and what is nearer than `gap` (m) to a body that reaches into the region
+/// is not farther.
+///
+/// # Errors
+/// As [`voxel_image`].
+pub fn images_reach(
+    solids: &Solids,
+    region: &Region,
+    voxel: f64,
+    gap: f64,
+) -> Result<f64, AnalysisError> {
+    let (min, max) = region.corners();
+    let image = voxel_image(solids, &Region::Box { min, max }, voxel)?;
+    // A distance changes by no more than its point moves.
+    let half = 0.5 * Vector3::from(image.grid.spacing).norm();
+    let distances = signed_distance(solids, &image, Sides::Open);
+    let farthest = half + distances.into_iter().fold(0.0, f64::max);
+    let radii = solids.pack().shapes().iter().map(|s| s.bounding_radius());
+    Ok(farthest.max(2.0 * radii.fold(0.0, f64::max) + gap))
+}
+
 /// A point in the void to start a mesh from. `None` without a void voxel.
 ///
 /// It lies near the centre of the void voxel that is farthest from solids, from the sides and from the ends of the
@@ -117,8 +141,6 @@ mod tests {
 
     use super::*;
     use crate::pack::{Pack, PosedBody};
-    use crate::pores::voxel_image;
-    use crate::region::Region;
 
     /// Over a cube of 1 m, in a wide void and in one of less than two voxels.
     #[test]

@@ -27,8 +27,7 @@ pub struct VoxelImage {
     pub region: Region,
     /// The voxels.
     pub grid: VoxelGrid,
-    /// Axes along which the image repeats itself: those of [periodic space](crate::WithImages) on which the region is a box as
-    /// wide as the cell.
+    /// Axes along which the image repeats itself: [`Pack::repeats_over`](crate::Pack::repeats_over) of the region.
     pub repeats: [bool; 3],
     /// For each voxel [`VOID`], the number of the body plus one (the first where bodies overlap), or [`OUTSIDE`]. An image of a
     /// body has the number of the body.

@@ -2,11 +2,13 @@
 
 use femdem_mesh::{Point3, Vector3};
 
+use super::grid::VoxelGrid;
 use super::image::{OUTSIDE, VoxelImage};
 use super::surface::{Surface, SurfacePatch};
 use super::tetrahedra::triangles_of_cube;
 use super::thickness::check_length;
 use crate::error::AnalysisError;
+use crate::images::PeriodicSpace;
 use crate::ordered::ordered_map;
 use crate::region::Region;
 
@@ -41,6 +43,21 @@ pub struct Bridge {
 }
 
 impl Bridge {
+    /// The bridge and its images in periodic space that count in an image.
+    pub fn images(&self, space: &PeriodicSpace, image: &VoxelImage) -> Vec<Self> {
+        let ways = space.images(&self.point, &image.region, self.reach(&image.grid));
+        let moved = |way| Self {
+            point: self.point + way,
+            ..*self
+        };
+        ways.into_iter().map(moved).collect()
+    }
+
+    /// Farther away (m) along an axis its distance is of no account to the surface.
+    fn reach(&self, grid: &VoxelGrid) -> f64 {
+        2.0 * (self.radius + grid.spacing.into_iter().fold(0.0, f64::max))
+    }
+
     /// Signed distance (m), negative inside.
     fn distance(&self, point: &Point3) -> f64 {
         let arm = point - self.point;
@@ -52,7 +69,7 @@ impl Bridge {
 }
 
 /// The closed surface of the void of an image, by marching tetrahedra between the centres of the voxels, with bridges
-/// joined to the bodies. Its normals point out of the void.
+/// joined to the bodies, in periodic space with their [images](Bridge::images). Its normals point out of the void.
 ///
 /// `distances` are those of [`signed_distance`](super::signed_distance) with [`Sides::Open`](super::Sides::Open): the
 /// sides and ends of the region are placed exactly, the bodies to second order in the voxel where they are smooth;
@@ -81,7 +98,7 @@ pub fn void_surface(
     }
     let mut distances = distances.to_vec();
     for bridge in bridges {
-        each_image(image, bridge, |bridge| join(image, &bridge, &mut distances));
+        join(image, bridge, &mut distances);
     }
     let nodes = Nodes {
         image,
@@ -118,40 +135,32 @@ pub fn void_surface(
 /// The space that [`void_surface`] is about: the region, or the next period from the centres of the first voxels on.
 pub fn surface_region(image: &VoxelImage) -> Region {
     let mut region = image.region;
-    if let Region::Box { min, max } = &mut region {
-        for k in (0..3).filter(|&k| image.repeats[k]) {
-            min[k] += 0.5 * image.grid.spacing[k];
-            max[k] += 0.5 * image.grid.spacing[k];
-        }
-    }
-    region
-}
-
-/// A bridge and its images a period away.
-fn each_image(image: &VoxelImage, bridge: &Bridge, mut hit: impl FnMut(Bridge)) {
-    let (min, max) = image.region.corners();
-    let ways = |k: usize| if image.repeats[k] { -1..=1 } else { 0..=0 };
-    for x in ways(0) {
-        for y in ways(1) {
-            for z in ways(2) {
-                let way = Vector3::new(x.into(), y.into(), z.into());
-                hit(Bridge {
-                    point: bridge.point + way.component_mul(&(max - min)),
-                    ..*bridge
-                });
+    let half = |k: usize| match image.repeats[k] {
+        true => 0.5 * image.grid.spacing[k],
+        false => 0.0,
+    };
+    match &mut region {
+        Region::Box { min, max } => {
+            for k in 0..3 {
+                min[k] += half(k);
+                max[k] += half(k);
             }
         }
+        Region::Cylinder { z_min, z_max, .. } => {
+            *z_min += half(2);
+            *z_max += half(2);
+        }
+        Region::Sphere { .. } => {}
     }
+    region
 }
 
 /// Joins a bridge to the solids around it.
 fn join(image: &VoxelImage, bridge: &Bridge, distances: &mut [f64]) {
     let grid = &image.grid;
-    // Farther away its distance is of no account to the surface.
-    let reach = |k: usize| 2.0 * bridge.radius + 2.0 * grid.spacing[k];
     let range = |k: usize| {
         let at = (bridge.point[k] - grid.origin[k]) / grid.spacing[k];
-        let reach = reach(k) / grid.spacing[k];
+        let reach = bridge.reach(grid) / grid.spacing[k];
         // Conversion to usize saturates.
         let end = ((at + reach).ceil() as usize).min(grid.counts[k]);
         ((at - reach).floor() as usize).min(end)..end

@@ -19,7 +19,7 @@ mod tetrahedra;
 mod thickness;
 mod tube;
 
-pub use distance::{deepest_void, signed_distance};
+pub use distance::{deepest_void, images_reach, signed_distance};
 pub use facets::{FacetSurface, Treatment, facet_surface, shrink_factor};
 pub use grid::VoxelGrid;
 pub use image::{OUTSIDE, VOID, VoxelCounts, VoxelImage, voxel_image};

@@ -12,8 +12,8 @@ const PERIODS: usize = 3;
 
 /// Geometric tortuosity along z: lengths of shortest paths through the void over the height of the image.
 ///
-/// Where the image repeats itself along z, its ends are nothing special. A path is then what it takes from the top of one period to
-/// the top of the next, of paths that begin two periods lower.
+/// Where the image repeats itself along z, a path is that through the second period, from top to top, of those that begin at the lower
+/// end of the first. Where paths still change from period to period, it depends on where the cell begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tortuosity {
     /// Height of the image: the straight length (m).

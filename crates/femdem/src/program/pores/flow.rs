@@ -118,15 +118,15 @@ pub(super) fn make(
             (summary.contacts, summary.value) = ("bridge", radius);
             let image = voxel_image(solids, &space.tube, space.voxel)?;
             let distances = signed_distance(solids, &image, Sides::Open);
-            let bridges: Vec<Bridge> = snapshot
-                .contacts
-                .iter()
-                .map(|row| Bridge {
-                    point: row.point,
-                    normal: row.normal,
-                    radius,
-                })
-                .collect();
+            let bridges = snapshot.contacts.iter().map(|row| Bridge {
+                point: row.point,
+                normal: row.normal,
+                radius,
+            });
+            let bridges: Vec<Bridge> = match &snapshot.space {
+                Some(space) => bridges.flat_map(|b| b.images(space, &image)).collect(),
+                None => bridges.collect(),
+            };
             let void = void_surface(&image, &distances, &bridges)?;
             summary.region = surface_region(&image);
             summary.check("void", &void, exact_void);

@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use femdem::analysis::pores::{
-    Sides, Solids, Treatment, flow_region, shrink_factor, signed_distance, voxel_image,
-};
+use femdem::analysis::pores::{Sides, Solids, Treatment, flow_region, images_reach, shrink_factor};
 use femdem::analysis::{Pack, PosedBody, Region, WithImages, top_plane};
 use femdem::mesh::Polyhedron;
 use femdem::scene::Length;
@@ -177,13 +175,10 @@ impl Space {
         if repeats[0] && repeats[1] && args.sides.is_some() {
             bail!("--sides has no effect where space repeats itself along x and y: leave it out");
         }
-        let sides = match args.sides {
-            Some(SidesKind::Wall) => Sides::Wall,
-            Some(SidesKind::Open) => Sides::Open,
-            None if container.is_some_and(|container| is_as_wide(&region, container)) => {
-                Sides::Wall
-            }
-            None => Sides::Open,
+        let sides = match (args.sides, container) {
+            (Some(SidesKind::Wall), _) => Sides::Wall,
+            (None, Some(container)) if pack.has_sides_of(&region, container)? => Sides::Wall,
+            (Some(SidesKind::Open), _) | (None, _) => Sides::Open,
         };
         let voxel = metres(args.voxel, VOXEL);
         let all_convex = read.shapes.iter().all(Polyhedron::is_convex);
@@ -230,19 +225,19 @@ impl Space {
 }
 
 impl Space {
-    /// How far bodies count \[m\]: no point of the region is farther from the nearest one, of all images of `near`.
+    /// How far bodies count \[m\], of all images of `near`.
     pub(super) fn reach(&self, read: &Read, near: &WithImages) -> Result<f64> {
         if read.snapshot.space.is_none() {
             return Ok(0.0);
         }
         let pack = near.pack(&read.shapes)?;
         let solids = Solids::new(&pack).with_balls(&read.balls)?;
-        let image = voxel_image(&solids, &self.region, COARSE * self.diameter)?;
-        // A distance changes by no more than its point moves.
-        let distances = signed_distance(&solids, &image, Sides::Open);
-        let spacing = image.grid.spacing.map(|side| side * side);
-        let half = 0.5 * spacing.into_iter().sum::<f64>().sqrt();
-        Ok(half + distances.into_iter().fold(self.diameter, f64::max))
+        let gap = match self.treatment {
+            Some(Treated::Facets(Treatment::Gap(gap) | Treatment::Cap(gap))) => gap,
+            _ => 0.0,
+        };
+        let voxel = COARSE * self.diameter;
+        Ok(images_reach(&solids, &self.region, voxel, gap)?)
     }
 
     /// What the upright sides are, in a word.
@@ -252,34 +247,6 @@ impl Space {
             (_, Sides::Wall) => "wall",
             (_, Sides::Open) => "open",
         }
-    }
-}
-
-/// Whether two regions have the same upright sides.
-fn is_as_wide(region: &Region, container: &Region) -> bool {
-    match (*region, *container) {
-        (
-            Region::Box { min, max },
-            Region::Box {
-                min: low,
-                max: high,
-            },
-        ) => {
-            let size = (high - low).norm();
-            (min - low).xy().norm() + (max - high).xy().norm() < 1e-6 * size
-        }
-        (
-            Region::Cylinder { centre, radius, .. },
-            Region::Cylinder {
-                centre: middle,
-                radius: whole,
-                ..
-            },
-        ) => {
-            let off = (centre[0] - middle[0]).hypot(centre[1] - middle[1]);
-            off + (radius - whole).abs() < 1e-6 * whole
-        }
-        _ => false,
     }
 }
 
@@ -314,22 +281,5 @@ mod tests {
             polyhedron: own[0].polyhedron.clone(),
         };
         assert_eq!(radius_among(own, &cut), None);
-    }
-
-    #[test]
-    fn sides_are_walls_where_they_are_those_of_the_container() {
-        let drum = |radius: f64, z_max: f64| Region::Cylinder {
-            centre: [0.0; 2],
-            radius,
-            z_min: 0.0,
-            z_max,
-        };
-        assert!(is_as_wide(&drum(1.0, 2.0), &drum(1.0, 5.0)));
-        assert!(!is_as_wide(&drum(0.9, 2.0), &drum(1.0, 5.0)));
-        let cube = Region::Box {
-            min: [-1.0; 3].into(),
-            max: [1.0; 3].into(),
-        };
-        assert!(!is_as_wide(&cube, &drum(1.0, 5.0)) && is_as_wide(&cube, &cube));
     }
 }
