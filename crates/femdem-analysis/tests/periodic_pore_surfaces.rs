@@ -111,8 +111,8 @@ fn bodies_at_opposite_faces_are_cut_alike() {
         assert!((nearest - 0.005).abs() < 1e-9, "{nearest}");
     }
     assert!((found.surface.check().volume / found.volume - 1.0).abs() < 1e-6);
-    // The image of the first is no other body.
-    assert_eq!((found.bodies, found.changed, found.beyond), (2, 2, 0));
+    // Their images are no other bodies; those lie beyond the faces.
+    assert_eq!((found.bodies, found.changed, found.beyond), (2, 2, 2));
 }
 
 /// A bridge is joined to the void of every region that an image of it lies in: narrower than the cell, across its faces, and
