@@ -56,6 +56,17 @@ pub enum AnalysisError {
         /// The regions for which it is possible.
         instead: &'static str,
     },
+    /// Voxels over all of a periodic cell whose edges lean.
+    #[error(
+        "edge {axis} of the periodic cell leans by {lean} m, and voxels over all of such a cell do not repeat themselves; \
+         give a region narrower than the cell, or a state in which it is upright"
+    )]
+    TiltedCell {
+        /// The axis of the edge.
+        axis: &'static str,
+        /// How far its end lies off that axis (m).
+        lean: f64,
+    },
     /// Fewer bodies in a region than an analysis needs.
     #[error(
         "the region holds the centroids of {bodies} bodies, but at least {least} are needed; enlarge it"

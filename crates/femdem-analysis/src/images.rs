@@ -26,6 +26,27 @@ impl PeriodicSpace {
     pub fn wrapped(&self, point: &Point3) -> Point3 {
         self.lower + self.cell.wrapped(&(point - self.lower))
     }
+
+    /// The ways (m) to all images of a point, its own place included, that come within `reach` (m) of the box around a region, along
+    /// the axes that repeat themselves.
+    pub(crate) fn images(&self, point: &Point3, region: &Region, reach: f64) -> Vec<Vector3> {
+        let (min, max) = region.corners();
+        // How far the region reaches beyond the box of the cell.
+        let beyond = (0..3).filter(|&k| self.cell.repeats(k)).map(|k| {
+            let side = self.cell.edges()[(k, k)];
+            (self.lower[k] - min[k]).max(max[k] - self.lower[k] - side)
+        });
+        let span = beyond.fold(0.0, f64::max) + reach;
+        let mut ways = self.cell.images(&(point - self.lower), span);
+        ways.retain(|way| {
+            let near = |k: usize| {
+                let x = point[k] + way[k];
+                x + reach >= min[k] && x - reach <= max[k]
+            };
+            (0..3).all(|k| !self.cell.repeats(k) || near(k))
+        });
+        ways
+    }
 }
 
 /// The bodies of a pack in periodic space, followed by the images of them that come near a region.
@@ -47,8 +68,9 @@ impl PeriodicSpace {
 #[derive(Clone, Debug)]
 pub struct WithImages {
     bodies: Vec<PosedBody>,
-    own: usize,
-    repeats: [bool; 3],
+    /// The body that each image, after the bodies themselves, is of.
+    sources: Vec<u32>,
+    cell: Option<PeriodicCell>,
 }
 
 impl WithImages {
@@ -66,34 +88,23 @@ impl WithImages {
     ) -> Result<Self, AnalysisError> {
         region.validate()?;
         let pack = Pack::new(shapes, bodies)?;
-        let (min, max) = region.corners();
-        // How far the region reaches beyond the box of the cell.
-        let beyond = (0..3).filter(|&k| space.cell.repeats(k)).map(|k| {
-            let side = space.cell.edges()[(k, k)];
-            (space.lower[k] - min[k]).max(max[k] - space.lower[k] - side)
-        });
-        let beyond = beyond.fold(0.0, f64::max) + reach;
         let mut all = bodies.to_vec();
-        for (body, posed) in bodies.iter().enumerate() {
-            let centre = pack.centroid(body);
-            let span = pack.shape(body).bounding_radius() + beyond;
-            for way in space.cell.images(&(centre - space.lower), span) {
-                let near = |k: usize| {
-                    let x = centre[k] + way[k];
-                    let room = pack.shape(body).bounding_radius() + reach;
-                    !space.cell.repeats(k) || (x + room >= min[k] && x - room <= max[k])
-                };
-                if way != Vector3::zeros() && (0..3).all(near) {
+        let mut sources = Vec::new();
+        for ((body, posed), source) in bodies.iter().enumerate().zip(0_u32..) {
+            let room = pack.shape(body).bounding_radius() + reach;
+            for way in space.images(&pack.centroid(body), region, room) {
+                if way != Vector3::zeros() {
                     let mut image = *posed;
                     image.pose.translation.vector += way;
                     all.push(image);
+                    sources.push(source);
                 }
             }
         }
         Ok(Self {
             bodies: all,
-            own: bodies.len(),
-            repeats: [0, 1, 2].map(|k| space.cell.repeats(k)),
+            sources,
+            cell: Some(space.cell),
         })
     }
 
@@ -101,9 +112,9 @@ impl WithImages {
     #[must_use]
     pub fn none(bodies: Vec<PosedBody>) -> Self {
         Self {
-            own: bodies.len(),
             bodies,
-            repeats: [false; 3],
+            sources: Vec::new(),
+            cell: None,
         }
     }
 
@@ -113,6 +124,6 @@ impl WithImages {
     /// As [`Pack::new`].
     pub fn pack<'a>(&'a self, shapes: &'a [Polyhedron]) -> Result<Pack<'a>, AnalysisError> {
         let pack = Pack::new(shapes, &self.bodies)?;
-        Ok(pack.with_own(self.own, self.repeats))
+        Ok(pack.in_cell(self.cell, &self.sources))
     }
 }

@@ -1,7 +1,7 @@
 //! The input: shapes and posed bodies, checked once.
 
 use femdem_mesh::bvh::{Aabb, Bvh};
-use femdem_mesh::{Point3, Polyhedron, Pose, Vector3, closest_point, unit_pose};
+use femdem_mesh::{PeriodicCell, Point3, Polyhedron, Pose, Vector3, closest_point, unit_pose};
 use serde::{Deserialize, Serialize};
 
 use crate::bounds::Bounds;
@@ -36,6 +36,9 @@ struct ShapeData {
 /// Largest number of faces for which cutting by all planes is faster than looking up triangles in a tree.
 const MOST_PLANES: usize = 64;
 
+/// Regions are as wide as the cell, or as each other, to this part of their width: numbers are typed with 7 digits or more.
+pub(crate) const WHOLE: f64 = 1e-6;
+
 /// A checked pack: shapes, the bodies that use them, and a box around each body.
 ///
 /// The bodies can come from a simulation, a file, or someone else's code.
@@ -60,8 +63,10 @@ pub struct Pack<'a> {
     bounds: Vec<Bounds>,
     /// How many of the bodies, the first ones, are no images.
     own: usize,
-    /// Axes along which space repeats itself.
-    repeats: [bool; 3],
+    /// The body that each of the others is an image of.
+    sources: &'a [u32],
+    /// Periodic space.
+    cell: Option<PeriodicCell>,
 }
 
 impl<'a> Pack<'a> {
@@ -106,7 +111,8 @@ impl<'a> Pack<'a> {
             data,
             bounds,
             own: bodies.len(),
-            repeats: [false; 3],
+            sources: &[],
+            cell: None,
         })
     }
 
@@ -120,11 +126,12 @@ impl<'a> Pack<'a> {
         self.bodies
     }
 
-    /// The same, of which only the first `own` bodies are no images, in space that repeats itself along axes.
-    pub(crate) fn with_own(self, own: usize, repeats: [bool; 3]) -> Self {
+    /// The same in periodic space, in which the last bodies are images of the ones listed.
+    pub(crate) fn in_cell(self, cell: Option<PeriodicCell>, sources: &'a [u32]) -> Self {
         Self {
-            own,
-            repeats,
+            own: self.bodies.len() - sources.len(),
+            sources,
+            cell,
             ..self
         }
     }
@@ -136,7 +143,81 @@ impl<'a> Pack<'a> {
 
     /// Whether space repeats itself along an axis, 0 to 2.
     pub(crate) fn repeats(&self, axis: usize) -> bool {
-        self.repeats[axis]
+        self.cell.is_some_and(|cell| cell.repeats(axis))
+    }
+
+    /// The body itself, of an image.
+    pub(crate) fn source(&self, body: usize) -> usize {
+        match body.checked_sub(self.own) {
+            Some(image) => self.sources[image] as usize,
+            None => body,
+        }
+    }
+
+    /// The axes along which a region repeats itself: those of [periodic space](crate::WithImages) along which it is a box, or a
+    /// cylinder on end, as long as the cell.
+    ///
+    /// # Errors
+    /// [`AnalysisError::TiltedCell`] if it is, but the edges of the cell lean.
+    pub fn repeats_over(&self, region: &Region) -> Result<[bool; 3], AnalysisError> {
+        let Some(cell) = self.cell else {
+            return Ok([false; 3]);
+        };
+        let (min, max) = region.corners();
+        let is_flat = match region {
+            Region::Box { .. } => [true; 3],
+            Region::Cylinder { .. } => [false, false, true],
+            Region::Sphere { .. } => [false; 3],
+        };
+        let edges = cell.edges();
+        let whole = |k: usize| {
+            let is_as_long = ((max[k] - min[k]) / edges[(k, k)] - 1.0).abs() <= WHOLE;
+            is_flat[k] && cell.repeats(k) && is_as_long
+        };
+        let repeats = [0, 1, 2].map(whole);
+        for k in (0..3).filter(|&k| repeats[k]) {
+            let mut edge = edges.column(k).into_owned();
+            let side = std::mem::take(&mut edge[k]);
+            if edge.norm() > WHOLE * side {
+                return Err(AnalysisError::TiltedCell {
+                    axis: ["x", "y", "z"][k],
+                    lean: edge.norm(),
+                });
+            }
+        }
+        Ok(repeats)
+    }
+
+    /// Whether a region has the upright sides of another one, but along axes along which it repeats itself: there it has none.
+    ///
+    /// # Errors
+    /// As [`repeats_over`](Self::repeats_over).
+    pub fn has_sides_of(&self, region: &Region, other: &Region) -> Result<bool, AnalysisError> {
+        let repeats = self.repeats_over(region)?;
+        Ok(match (*region, *other) {
+            (
+                Region::Box { min, max },
+                Region::Box {
+                    min: low,
+                    max: high,
+                },
+            ) => (0..2).filter(|&k| !repeats[k]).all(|k| {
+                let off = (min[k] - low[k]).abs() + (max[k] - high[k]).abs();
+                off <= WHOLE * (high[k] - low[k])
+            }),
+            (
+                Region::Cylinder { centre, radius, .. },
+                Region::Cylinder {
+                    centre: middle,
+                    radius: whole,
+                    ..
+                },
+            ) => {
+                let off = (centre[0] - middle[0]).hypot(centre[1] - middle[1]);
+                off + (radius - whole).abs() <= WHOLE * whole
+            }
+            _ => false,
+        })
     }
 
     /// Number of bodies, images included.

@@ -17,6 +17,8 @@ mod networks;
 mod non_convex;
 mod orientation;
 mod periodic;
+mod periodic_pore_surfaces;
+mod periodic_pores;
 mod pore_surfaces;
 mod pores;
 mod profiles;

@@ -11,7 +11,7 @@ use femdem_analysis::*;
 use femdem_mesh::{Point3, Polyhedron, Vector3};
 
 fn inside(region: &Region) -> f64 {
-    tube_surface(region).unwrap().check().volume
+    tube_surface(region, [false; 3]).unwrap().check().volume
 }
 
 #[test]
@@ -24,7 +24,7 @@ fn tubes_are_closed_and_as_large_as_their_regions() {
         z_min: 1.0,
         z_max: 3.0,
     };
-    let surface = tube_surface(&tube).unwrap();
+    let surface = tube_surface(&tube, [false; 3]).unwrap();
     assert!(surface.check().is_closed());
     let excess = inside(&tube) / tube.volume() - 1.0;
     assert!(excess > 0.0 && excess < 3e-5, "{excess}");

@@ -4,18 +4,12 @@
 
 use std::f64::consts::PI;
 
-use crate::common::pores::{ball, region, sampled};
+use crate::common::pores::{ball, cuboid, region, sampled};
 use crate::common::{Random, at, body, cube, solid, turned_lattice};
 use femdem_analysis::pores::*;
 use femdem_analysis::*;
 use femdem_mesh::shapes::{Dolos, Shape};
-use femdem_mesh::{Point3, Polyhedron, Pose, Vector3};
-
-fn cuboid(low: [f64; 3], high: [f64; 3]) -> Polyhedron {
-    let corners = (0..8)
-        .map(|c| Point3::from([0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] })));
-    femdem_mesh::convex_hull(&corners.collect::<Vec<_>>()).unwrap()
-}
+use femdem_mesh::{Point3, Pose, Vector3};
 
 fn still(count: u32) -> Vec<PosedBody> {
     (0..count).map(|i| body(i, Pose::identity())).collect()
@@ -240,7 +234,9 @@ fn bad_options_of_pores_are_refused_by_name() {
         centre: Point3::origin(),
         radius: 1.0,
     };
-    assert!(voxel_image(&solids, &round, 0.1).is_err() && tube_surface(&round).is_err());
+    assert!(
+        voxel_image(&solids, &round, 0.1).is_err() && tube_surface(&round, [false; 3]).is_err()
+    );
     let nothing = Pack::new(&shapes, &[]).unwrap();
     assert_eq!(
         voxel_image(&Solids::new(&nothing), &unit, 0.1).unwrap_err(),

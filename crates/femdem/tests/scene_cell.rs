@@ -124,6 +124,55 @@ fn a_cell_is_compressed_and_sheared() {
     assert_eq!(summary(&job).state_hash, end.state_hash);
 }
 
+/// Soft cubes and hard grains, compressed to unequal stresses: the cell reaches them, the books close, and the solid fraction
+/// includes both kinds.
+#[test]
+fn a_cell_of_deformable_bodies_reaches_its_stresses() {
+    let folder = tempdir().unwrap();
+    let text = "
+        duration = 0.06
+        gravity = [0, 0, 0]
+        medium.drag = 20
+        [contact]
+        friction = 0.3
+        [material.rubber]
+        density = 2500
+        law = \"neo-hookean\"
+        young = 1e6
+        poisson = 0.3
+        [cell]
+        upper = [0.082, 0.082, 0.082]
+        control = { x = { stress = 2e4, speed = 0.8 }, y = { stress = 1e4, speed = 0.8 }, z = { stress = 2e4, speed = 0.8 } }
+        [[body]]
+        shape = \"cube\"
+        diameter = 0.02
+        material = \"rubber\"
+        behaviour = \"deformable\"
+        mesh-size = 1
+        copies = { count = [4, 4, 2], spacing = [0.0205, 0.0205, 0.0205], seed = 2 }
+        position = [0.01025, 0.01025, 0.01025]
+        [[body]]
+        shape = \"A13\"
+        diameter = 0.02
+        material = \"rubber\"
+        copies = { count = [4, 4, 2], spacing = [0.0205, 0.0205, 0.0205], seed = 3 }
+        position = [0.01025, 0.01025, 0.05125]";
+    let end = summary(&ran(text, folder.path()));
+    let cell = &end.cells[0];
+    for (stress, wanted) in cell.stress.iter().zip([2e4, 1e4, 2e4]) {
+        assert!((stress / wanted - 1.0).abs() < 0.01, "{cell:?}");
+    }
+    let volume: f64 = cell.sides.iter().product();
+    let mass: f64 = end.bodies.iter().map(|body| body.mass).sum();
+    assert!((cell.solid_fraction * volume * 2500.0 / mass - 1.0).abs() < 1e-9);
+    let energy = &end.energy;
+    assert!(
+        energy.work_in > 0.0 && energy.ledger_error_relative.abs() < 2e-3,
+        "{end}"
+    );
+    assert!(energy.strain > 0.0, "{end}");
+}
+
 /// A bed without side walls bears its weight on the floor alone.
 #[test]
 fn a_bed_that_is_periodic_across_rests_on_its_floor() {

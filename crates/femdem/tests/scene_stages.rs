@@ -64,6 +64,16 @@ fn stages_are_runs_one_from_the_end_of_the_other() {
     let text = format!("track = true\n{SCENE}");
     fs::write(&scene, &text).unwrap();
     let out = folder.path().join("out");
+    let result = run(femdem("run").arg(&scene).arg("--check"));
+    let said = stdout(&result);
+    assert!(
+        said.contains("stage 1 of 3: fall") && said.contains("time step"),
+        "{said}"
+    );
+    assert!(
+        said.contains("the other stages start from the end"),
+        "{said}"
+    );
     let result = run(femdem("run")
         .arg(&scene)
         .arg("--out")

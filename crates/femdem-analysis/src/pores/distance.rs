@@ -1,8 +1,10 @@
 //! The signed distance of every voxel from the solids.
 
-use super::image::{OUTSIDE, VOID, VoxelImage};
+use super::image::{OUTSIDE, VOID, VoxelImage, voxel_image};
 use super::solids::{Sides, Solids, side_distance};
+use crate::error::AnalysisError;
 use crate::ordered::ordered_map;
+use crate::region::Region;
 use femdem_mesh::{Point3, Vector3};
 
 /// Side of a block of voxels that share a list of near bodies.
@@ -16,9 +18,10 @@ const MOST_MOVED: f64 = 0.5;
 
 /// Signed distance (m) of the centre of every voxel from the nearest solid, negative inside: see
 /// [`Solids::signed_distance`]. Bodies beyond the region count, too. Walls at the sides of the region count as
-/// solids, its ends do not. Voxels outside a round region have minus their distance from its side.
+/// solids, its ends do not, nor do sides along axes on which the image repeats itself. Voxels outside a round region have minus their distance from its side.
 ///
-/// Exact to round-off: distances are measured from the surfaces of the bodies, not from voxels.
+/// Exact to round-off: distances are measured from the surfaces of the bodies, not from voxels. In [periodic
+/// space](crate::WithImages) this needs all images within the largest of the distances.
 pub fn signed_distance(solids: &Solids, image: &VoxelImage, sides: Sides) -> Vec<f64> {
     let grid = &image.grid;
     let slabs = grid.counts[2].div_ceil(BLOCK);
@@ -63,7 +66,7 @@ fn block(
                 let index = grid.index([i, j, k]);
                 let point = grid.centre([i, j, k]);
                 let distance = if image.labels[index] == OUTSIDE {
-                    side_distance(&image.region, &point)
+                    side_distance(&image.region, image.repeats, &point)
                 } else {
                     if !listed {
                         solids.near(&(first + half), half.norm(), near);
@@ -71,7 +74,10 @@ fn block(
                     }
                     let of_bodies = solids.least(&point, near);
                     match sides {
-                        Sides::Wall => of_bodies.min(side_distance(&image.region, &point)),
+                        Sides::Wall => {
+                            let of_sides = side_distance(&image.region, image.repeats, &point);
+                            of_bodies.min(of_sides)
+                        }
                         Sides::Open => of_bodies,
                     }
                 };
@@ -79,6 +85,28 @@ fn block(
             }
         }
     }
+}
+
+/// How far from the box around a region the images of bodies count (m), found from those near it with voxels of sides near `voxel`
+/// (m): no point of the box is farther from the nearest body, and what is nearer than `gap` (m) to a body that reaches into the region
+/// is not farther.
+///
+/// # Errors
+/// As [`voxel_image`].
+pub fn images_reach(
+    solids: &Solids,
+    region: &Region,
+    voxel: f64,
+    gap: f64,
+) -> Result<f64, AnalysisError> {
+    let (min, max) = region.corners();
+    let image = voxel_image(solids, &Region::Box { min, max }, voxel)?;
+    // A distance changes by no more than its point moves.
+    let half = 0.5 * Vector3::from(image.grid.spacing).norm();
+    let distances = signed_distance(solids, &image, Sides::Open);
+    let farthest = half + distances.into_iter().fold(0.0, f64::max);
+    let radii = solids.pack().shapes().iter().map(|s| s.bounding_radius());
+    Ok(farthest.max(2.0 * radii.fold(0.0, f64::max) + gap))
 }
 
 /// A point in the void to start a mesh from. `None` without a void voxel.
@@ -94,7 +122,8 @@ pub fn deepest_void(image: &VoxelImage, distances: &[f64]) -> Option<Point3> {
     for ((index, label), distance) in image.labels.iter().enumerate().zip(distances) {
         let point = image.grid.centre(image.grid.position(index));
         let ends = (point.z - low.z).min(high.z - point.z);
-        let depth = distance.min(side_distance(&image.region, &point)).min(ends);
+        let of_sides = side_distance(&image.region, [false; 3], &point);
+        let depth = distance.min(of_sides).min(ends);
         if *label == VOID && deepest.is_none_or(|(most, _)| depth > most) {
             deepest = Some((depth, point));
         }
@@ -112,8 +141,6 @@ mod tests {
 
     use super::*;
     use crate::pack::{Pack, PosedBody};
-    use crate::pores::voxel_image;
-    use crate::region::Region;
 
     /// Over a cube of 1 m, in a wide void and in one of less than two voxels.
     #[test]

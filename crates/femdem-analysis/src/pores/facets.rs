@@ -1,5 +1,7 @@
 //! The bodies' own facets as one closed surface, with contacts opened.
 
+use std::collections::BTreeSet;
+
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::{Point3, Vector3};
 
@@ -9,7 +11,7 @@ use super::surface::{Surface, SurfacePatch};
 use crate::clip::Clipper;
 use crate::error::AnalysisError;
 use crate::ordered::ordered_map;
-use crate::overlap::pair_overlaps;
+use crate::overlap::{PairOverlap, pair_overlaps};
 use crate::pack::Pack;
 use crate::region::{Region, Relation};
 
@@ -37,7 +39,7 @@ pub enum Treatment {
 pub struct FacetSurface {
     /// The triangles, all of the part [`SurfacePatch::Bodies`].
     pub surface: Surface,
-    /// Bodies.
+    /// Bodies; here and below a body with its images is one.
     pub bodies: usize,
     /// Bodies that were changed.
     pub changed: usize,
@@ -57,12 +59,14 @@ pub struct FacetSurface {
 /// # Errors
 /// [`AnalysisError::Region`], [`AnalysisError::EmptyPack`].
 pub fn shrink_factor(pack: &Pack, region: &Region, sides: Sides) -> Result<f64, AnalysisError> {
+    let repeats = pack.repeats_over(region)?;
     let mut factor = 1.0;
     for step in 1..=10 {
         factor = 1.0 - 0.01 * f64::from(step);
         let found = facet_surface(pack, region, sides, Treatment::Shrink(factor))?;
         let mut corners = found.surface.vertices.iter();
-        let is_within = sides == Sides::Open || corners.all(|p| side_distance(region, p) >= 0.0);
+        let is_within =
+            sides == Sides::Open || corners.all(|p| side_distance(region, repeats, p) >= 0.0);
         if found.overlapping == 0 && is_within {
             break;
         }
@@ -88,14 +92,26 @@ pub fn facet_surface(
     if pack.is_empty() {
         return Err(AnalysisError::EmptyPack);
     }
-    let members: Vec<usize> = (0..pack.len())
-        .filter(|&i| region.relation(pack.bounds(i)) != Relation::Outside)
-        .collect();
+    let repeats = pack.repeats_over(region)?;
+    let (members, beyond): (Vec<usize>, Vec<usize>) =
+        (0..pack.len()).partition(|&i| region.relation(pack.bounds(i)) != Relation::Outside);
+    let sources: BTreeSet<usize> = members.iter().map(|&i| pack.source(i)).collect();
+    let mut partners = members.clone();
+    if repeats != [false; 3] {
+        // An image beyond a side changes a body there as the body itself does at the other side.
+        let images = beyond.into_iter();
+        partners.extend(images.filter(|&i| sources.contains(&pack.source(i))));
+    }
     let bodies: Vec<Vec<Point3>> =
-        ordered_map(members.len(), || (), |(), k| corners(pack, members[k]));
+        ordered_map(partners.len(), || (), |(), k| corners(pack, partners[k]));
+    let walls = Walls {
+        region,
+        sides,
+        repeats,
+    };
     let mut found = FacetSurface {
         surface: Surface::default(),
-        bodies: members.len(),
+        bodies: sources.len(),
         changed: 0,
         beyond: 0,
         overlapping: 0,
@@ -114,11 +130,11 @@ pub fn facet_surface(
             found.overlapping = overlapping(pack, &members, factor)?;
         }
         Treatment::Gap(gap) => {
-            let factors = Gaps::new(pack, &members, &bodies, gap)?.factors(region, sides)?;
-            found.add_scaled(pack, region, &members, &bodies, &factors);
+            let gaps = Gaps::new(pack, &partners, members.len(), &bodies, gap)?;
+            found.add_scaled(pack, region, &members, &bodies, &gaps.factors(&walls)?);
         }
         Treatment::Cap(gap) => {
-            let cuts = Gaps::new(pack, &members, &bodies, gap)?.cuts(region, sides);
+            let cuts = Gaps::new(pack, &partners, members.len(), &bodies, gap)?.cuts(&walls);
             let wall = match (*region, sides) {
                 (Region::Cylinder { centre, radius, .. }, Sides::Wall) => {
                     Some((centre, radius, gap))
@@ -168,7 +184,7 @@ fn volume_of(pack: &Pack, members: &[usize]) -> f64 {
     own.fold(all, |sum, pair| sum - pair.volume)
 }
 
-/// Pairs of bodies that overlap after scaling all by a factor about their centroids.
+/// Pairs of bodies, each with its images, that overlap after scaling all by a factor about their centroids.
 fn overlapping(pack: &Pack, members: &[usize], factor: f64) -> Result<usize, AnalysisError> {
     let scaled: Result<Vec<_>, _> = pack.shapes().iter().map(|s| s.scaled(factor)).collect();
     let Ok(shapes) = scaled else {
@@ -193,7 +209,12 @@ fn overlapping(pack: &Pack, members: &[usize], factor: f64) -> Result<usize, Ana
         .pairs
         .iter()
         .filter(|pair| counts(pair.volume, pair.first as usize));
-    Ok(real.count())
+    let source = |body: u32| pack.source(members[body as usize]);
+    let named = |pair: &PairOverlap| {
+        let [a, b] = [pair.first, pair.second].map(source);
+        [a.min(b), a.max(b)]
+    };
+    Ok(real.map(named).collect::<BTreeSet<_>>().len())
 }
 
 impl FacetSurface {
@@ -205,21 +226,27 @@ impl FacetSurface {
         bodies: &[Vec<Point3>],
         factors: &[f64],
     ) {
+        let (mut changed, mut beyond) = (BTreeSet::new(), BTreeSet::new());
         for ((&i, corners), &factor) in members.iter().zip(bodies).zip(factors) {
             let centroid = pack.centroid(i);
             let first = self.surface.vertices.len() as u32;
             let scaled = corners.iter().map(|p| centroid + (p - centroid) * factor);
             self.surface.vertices.extend(scaled);
             let own = &self.surface.vertices[first as usize..];
-            self.beyond += usize::from(own.iter().any(|p| !region.contains(p)));
+            if own.iter().any(|p| !region.contains(p)) {
+                beyond.insert(pack.source(i));
+            }
             let triangles = pack.shape(i).triangles();
             let patches = triangles.iter().map(|_| SurfacePatch::Bodies);
             self.surface.patches.extend(patches);
             let shifted = triangles.iter().map(|t| t.map(|v| v + first));
             self.surface.triangles.extend(shifted);
-            self.changed += usize::from(factor < 1.0);
+            if factor < 1.0 {
+                changed.insert(pack.source(i));
+            }
             self.volume += factor.powi(3) * pack.shape(i).mass_properties().volume;
         }
+        (self.changed, self.beyond) = (changed.len(), beyond.len());
     }
 
     /// Bodies cut by planes, and by a round wall about an axis, of a radius, to stay a gap from it.
@@ -231,13 +258,14 @@ impl FacetSurface {
         cuts: &[Vec<(Vector3, f64)>],
         wall: Option<([f64; 2], f64, f64)>,
     ) {
+        let (mut changed, mut beyond) = (BTreeSet::new(), BTreeSet::new());
         let mut clipper = Clipper::default();
         for (&i, cuts) in members.iter().zip(cuts) {
             clipper.load(pack.shape(i), pack.pose(i));
             for (normal, offset) in cuts {
                 clipper.clip(normal, *offset);
             }
-            let mut changed = !cuts.is_empty();
+            let mut is_cut = !cuts.is_empty();
             if let Some((centre, radius, gap)) = wall {
                 for _ in 0..MOST_CUTS {
                     let Some((normal, reach)) = farthest(&clipper, centre) else {
@@ -248,18 +276,23 @@ impl FacetSurface {
                     }
                     let axis = Vector3::new(centre[0], centre[1], 0.0);
                     clipper.clip(&normal, radius - gap + normal.dot(&axis));
-                    changed = true;
+                    is_cut = true;
                 }
             }
-            self.changed += usize::from(changed);
+            if is_cut {
+                changed.insert(pack.source(i));
+            }
             self.volume += clipper.volume();
             let mut leaves = false;
             clipper.each_triangle(|corners| {
                 leaves |= corners.iter().any(|p| !region.contains(p));
                 self.surface.push(corners, SurfacePatch::Bodies);
             });
-            self.beyond += usize::from(leaves);
+            if leaves {
+                beyond.insert(pack.source(i));
+            }
         }
+        (self.changed, self.beyond) = (changed.len(), beyond.len());
     }
 }
 
@@ -280,23 +313,26 @@ fn farthest(clipper: &Clipper, centre: [f64; 2]) -> Option<(Vector3, f64)> {
 /// Convex bodies nearer to each other than a gap.
 struct Gaps<'a> {
     pack: &'a Pack<'a>,
-    members: &'a [usize],
+    partners: &'a [usize],
+    /// How many of the partners, the first ones, are changed; the others are images of them.
+    members: usize,
     bodies: &'a [Vec<Point3>],
     gap: f64,
-    /// Numbers among the members, and how they lie.
+    /// Numbers among the partners, the first one of one that is changed, and how they lie.
     pairs: Vec<([usize; 2], Separation)>,
 }
 
 impl<'a> Gaps<'a> {
     fn new(
         pack: &'a Pack<'a>,
-        members: &'a [usize],
+        partners: &'a [usize],
+        members: usize,
         bodies: &'a [Vec<Point3>],
         gap: f64,
     ) -> Result<Self, AnalysisError> {
-        if let Some(&body) = members.iter().find(|&&i| !pack.shape(i).is_convex()) {
+        if let Some(&body) = partners.iter().find(|&&i| !pack.shape(i).is_convex()) {
             return Err(AnalysisError::NotConvex {
-                body,
+                body: pack.source(body),
                 what: "a gap between bodies",
                 instead: "shrink all bodies, or bridge their contacts",
             });
@@ -307,7 +343,7 @@ impl<'a> Gaps<'a> {
             .collect();
         let tree = Bvh::new(&boxes);
         let near = ordered_map(
-            members.len(),
+            members,
             || (),
             |(), i| {
                 let mut found = Vec::new();
@@ -318,7 +354,7 @@ impl<'a> Gaps<'a> {
                 });
                 found.sort_unstable();
                 let lie = |j: usize| {
-                    let pair = [members[i], members[j]];
+                    let pair = [partners[i], partners[j]];
                     let separation = separation(pack, pair, [&bodies[i], &bodies[j]]);
                     ([i, j], separation)
                 };
@@ -328,6 +364,7 @@ impl<'a> Gaps<'a> {
         );
         Ok(Self {
             pack,
+            partners,
             members,
             bodies,
             gap,
@@ -336,24 +373,26 @@ impl<'a> Gaps<'a> {
     }
 
     /// The factor of each body.
-    fn factors(&self, region: &Region, sides: Sides) -> Result<Vec<f64>, AnalysisError> {
-        let centroid = |k: usize| self.pack.centroid(self.members[k]);
-        let mut factors = vec![1.0_f64; self.members.len()];
+    fn factors(&self, walls: &Walls) -> Result<Vec<f64>, AnalysisError> {
+        let centroid = |k: usize| self.pack.centroid(self.partners[k]);
+        let mut factors = vec![1.0_f64; self.members];
         for ([i, j], separation) in &self.pairs {
             let apart = separation.normal.dot(&(centroid(*j) - centroid(*i)));
             let factor = (apart - self.gap) / (apart - separation.gap());
             for k in [*i, *j] {
-                factors[k] = factors[k].min(factor);
+                if let Some(least) = factors.get_mut(k) {
+                    *least = least.min(factor);
+                }
             }
         }
         for (k, factor) in factors.iter_mut().enumerate() {
-            if sides == Sides::Wall {
-                let at_wall = factor_at_sides(&self.bodies[k], &centroid(k), region, self.gap);
+            if walls.sides == Sides::Wall {
+                let at_wall = walls.factor(&self.bodies[k], &centroid(k), self.gap);
                 *factor = factor.min(at_wall);
             }
             if *factor < LEAST_FACTOR {
                 return Err(AnalysisError::GapTooWide {
-                    body: self.members[k],
+                    body: self.pack.source(self.partners[k]),
                     factor: *factor,
                     gap: self.gap,
                 });
@@ -363,17 +402,19 @@ impl<'a> Gaps<'a> {
     }
 
     /// The planes that each body is cut by, outward.
-    fn cuts(&self, region: &Region, sides: Sides) -> Vec<Vec<(Vector3, f64)>> {
-        let mut cuts = vec![Vec::new(); self.members.len()];
+    fn cuts(&self, walls: &Walls) -> Vec<Vec<(Vector3, f64)>> {
+        let mut cuts = vec![Vec::new(); self.members];
         for ([i, j], separation) in &self.pairs {
             let middle = 0.5 * (separation.begin + separation.end);
             let half = 0.5 * self.gap;
             cuts[*i].push((separation.normal, middle - half));
-            cuts[*j].push((-separation.normal, -(middle + half)));
+            if let Some(other) = cuts.get_mut(*j) {
+                other.push((-separation.normal, -(middle + half)));
+            }
         }
-        if let (Region::Box { min, max }, Sides::Wall) = (region, sides) {
+        if let (Region::Box { min, max }, Sides::Wall) = (walls.region, walls.sides) {
             for (corners, cuts) in self.bodies.iter().zip(&mut cuts) {
-                for k in 0..2 {
+                for k in (0..2).filter(|&k| !walls.repeats[k]) {
                     let axis: Vector3 = Vector3::ith(k, 1.0);
                     for (normal, offset) in [(axis, max[k] - self.gap), (-axis, -min[k] - self.gap)]
                     {
@@ -388,43 +429,54 @@ impl<'a> Gaps<'a> {
     }
 }
 
-/// The largest factor, at most 1, that keeps a body scaled about its centroid a gap from the sides of a region.
-fn factor_at_sides(corners: &[Point3], centroid: &Point3, region: &Region, gap: f64) -> f64 {
-    let mut factor = 1.0_f64;
-    for corner in corners {
-        let arm = corner - centroid;
-        match *region {
-            Region::Box { min, max } => {
-                for k in 0..2 {
-                    let room = if arm[k] > 0.0 {
-                        max[k] - gap - centroid[k]
-                    } else {
-                        centroid[k] - gap - min[k]
-                    };
-                    if arm[k].abs() > room {
-                        factor = factor.min(room / arm[k].abs());
+/// The upright sides of a region.
+struct Walls<'a> {
+    region: &'a Region,
+    sides: Sides,
+    /// Axes along which it has none.
+    repeats: [bool; 3],
+}
+
+impl Walls<'_> {
+    /// The largest factor, at most 1, that keeps a body scaled about its centroid a gap from the sides.
+    fn factor(&self, corners: &[Point3], centroid: &Point3, gap: f64) -> f64 {
+        let mut factor = 1.0_f64;
+        for corner in corners {
+            let arm = corner - centroid;
+            match *self.region {
+                Region::Box { min, max } => {
+                    for k in (0..2).filter(|&k| !self.repeats[k]) {
+                        let room = if arm[k] > 0.0 {
+                            max[k] - gap - centroid[k]
+                        } else {
+                            centroid[k] - gap - min[k]
+                        };
+                        if arm[k].abs() > room {
+                            factor = factor.min(room / arm[k].abs());
+                        }
                     }
                 }
-            }
-            Region::Cylinder { centre, radius, .. } => {
-                let out = [centroid.x - centre[0], centroid.y - centre[1]];
-                let square = |s: f64| (out[0] + s * arm.x).powi(2) + (out[1] + s * arm.y).powi(2);
-                let limit = (radius - gap).max(0.0).powi(2);
-                if square(0.0) >= limit {
-                    return 0.0;
+                Region::Cylinder { centre, radius, .. } => {
+                    let out = [centroid.x - centre[0], centroid.y - centre[1]];
+                    let square =
+                        |s: f64| (out[0] + s * arm.x).powi(2) + (out[1] + s * arm.y).powi(2);
+                    let limit = (radius - gap).max(0.0).powi(2);
+                    if square(0.0) >= limit {
+                        return 0.0;
+                    }
+                    if square(factor) > limit {
+                        // The positive root of |out + s arm|² = limit.
+                        let a = arm.x * arm.x + arm.y * arm.y;
+                        let b = out[0] * arm.x + out[1] * arm.y;
+                        let c = out[0] * out[0] + out[1] * out[1] - limit;
+                        factor = ((b * b - a * c).sqrt() - b) / a;
+                    }
                 }
-                if square(factor) > limit {
-                    // The positive root of |out + s arm|² = limit.
-                    let a = arm.x * arm.x + arm.y * arm.y;
-                    let b = out[0] * arm.x + out[1] * arm.y;
-                    let c = out[0] * out[0] + out[1] * out[1] - limit;
-                    factor = ((b * b - a * c).sqrt() - b) / a;
-                }
+                Region::Sphere { .. } => {}
             }
-            Region::Sphere { .. } => {}
         }
+        factor
     }
-    factor
 }
 
 #[cfg(test)]

@@ -27,7 +27,10 @@ pub struct VoxelImage {
     pub region: Region,
     /// The voxels.
     pub grid: VoxelGrid,
-    /// For each voxel [`VOID`], the number of the body plus one (the first where bodies overlap), or [`OUTSIDE`].
+    /// Axes along which the image repeats itself: [`Pack::repeats_over`](crate::Pack::repeats_over) of the region.
+    pub repeats: [bool; 3],
+    /// For each voxel [`VOID`], the number of the body plus one (the first where bodies overlap), or [`OUTSIDE`]. An image of a
+    /// body has the number of the body.
     pub labels: Vec<u32>,
 }
 
@@ -93,7 +96,7 @@ impl VoxelImage {
 /// # Errors
 /// [`AnalysisError::EmptyPack`], [`AnalysisError::Region`], [`AnalysisError::RegionKind`] for a ball,
 /// [`AnalysisError::Option`] for a voxel that is not above zero and finite, or of which there would be more than
-/// 1e9, [`AnalysisError::TooManyBodies`].
+/// 1e9, [`AnalysisError::TooManyBodies`], [`AnalysisError::TiltedCell`].
 pub fn voxel_image(
     solids: &Solids,
     region: &Region,
@@ -111,6 +114,7 @@ pub fn voxel_image(
     if pack.len() >= OUTSIDE as usize {
         return Err(AnalysisError::TooManyBodies { bodies: pack.len() });
     }
+    let repeats = pack.repeats_over(region)?;
     let (min, max) = region.corners();
     let cells: f64 = (max - min).iter().map(|x| (x / voxel).max(1.0)).product();
     // The condition is false for NaN.
@@ -124,7 +128,9 @@ pub fn voxel_image(
     let axes = Axis::grid(&Bounds { min, max }, voxel)?;
     let [x_axis, y_axis, z_axis] = &axes;
     let mut bodies = vec![Vec::new(); z_axis.count];
-    for body in 0..pack.len() {
+    let mut order: Vec<usize> = (0..pack.len()).collect();
+    order.sort_by_key(|&body| pack.source(body));
+    for body in order {
         let bounds = solids.bounds(body);
         for list in &mut bodies[z_axis.within(bounds.min.z, bounds.max.z)] {
             list.push(body);
@@ -134,7 +140,7 @@ pub fn voxel_image(
         let z = z_axis.centre(k);
         let mut layer = vec![VOID; x_axis.count * y_axis.count];
         for &body in &bodies[k] {
-            let label = body as u32 + 1;
+            let label = pack.source(body) as u32 + 1;
             let mut fill = |row: usize, low: f64, high: f64| {
                 let cells = x_axis.within(low, high);
                 let start = row * x_axis.count;
@@ -167,6 +173,7 @@ pub fn voxel_image(
     });
     Ok(VoxelImage {
         region: *region,
+        repeats,
         grid: VoxelGrid {
             origin: min,
             spacing: axes.map(|a| a.step),

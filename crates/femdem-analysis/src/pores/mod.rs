@@ -4,7 +4,7 @@
 //! is; [`signed_distance`] measures to the surfaces of the bodies, exactly; [`local_thickness`] and [`PoreSizes`]
 //! give pore diameters, [`paths`] the tortuosity. [`facet_surface`] takes bodies that touch apart on their own
 //! facets, [`void_surface`] joins them by [`Bridge`]s on the voxels, [`tube_surface`] is the space around them, and
-//! [`Surface::check`] shows whether a surface is closed.
+//! [`Surface::check`] shows whether a surface is closed. All of it also in [periodic space](crate::WithImages).
 
 mod distance;
 mod facets;
@@ -19,11 +19,11 @@ mod tetrahedra;
 mod thickness;
 mod tube;
 
-pub use distance::{deepest_void, signed_distance};
+pub use distance::{deepest_void, images_reach, signed_distance};
 pub use facets::{FacetSurface, Treatment, facet_surface, shrink_factor};
 pub use grid::VoxelGrid;
 pub use image::{OUTSIDE, VOID, VoxelCounts, VoxelImage, voxel_image};
-pub use isosurface::{Bridge, void_surface};
+pub use isosurface::{Bridge, surface_region, void_surface};
 pub use paths::{Paths, Tortuosity, paths};
 pub use solids::{Sides, Solids};
 pub use surface::{Surface, SurfaceCheck, SurfacePatch};

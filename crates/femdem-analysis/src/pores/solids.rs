@@ -243,10 +243,12 @@ fn is_over(normal: &Vector3, face: &[Point3], point: &Point3) -> bool {
         .all(|(a, b)| normal.dot(&(b - a).cross(&(point - a))) >= 0.0)
 }
 
-/// Distance (m) of a point from the upright sides of a region, negative outside; infinite for a ball, which has none.
-pub(super) fn side_distance(region: &Region, point: &Point3) -> f64 {
+/// Distance (m) of a point from the upright sides of a region but those along axes on which it repeats itself, negative
+/// outside; infinite without any.
+pub(super) fn side_distance(region: &Region, repeats: [bool; 3], point: &Point3) -> f64 {
     match *region {
         Region::Box { min, max } => (0..2)
+            .filter(|&k| !repeats[k])
             .map(|k| (point[k] - min[k]).min(max[k] - point[k]))
             .fold(f64::INFINITY, f64::min),
         Region::Cylinder { centre, radius, .. } => {

@@ -15,6 +15,14 @@ pub enum SurfacePatch {
     Low,
     /// The upper end of the region.
     High,
+    /// The side of the smallest x, where space repeats itself along x: the triangles of the other side, a period away.
+    XLow,
+    /// The side of the largest x.
+    XHigh,
+    /// The side of the smallest y, where space repeats itself along y.
+    YLow,
+    /// The side of the largest y.
+    YHigh,
 }
 
 /// A surface of triangles.
@@ -65,6 +73,18 @@ impl Surface {
         let own = self.triangles.iter().zip(&self.patches);
         own.filter(move |(_, part)| **part == patch)
             .map(|(triangle, _)| triangle.map(|v| self.vertices[v as usize]))
+    }
+
+    /// Leaves out triangles with two equal corners.
+    pub(super) fn drop_degenerate(&mut self) {
+        let vertices = &self.vertices;
+        let (triangles, patches) = (self.triangles.iter().zip(&self.patches))
+            .filter(|(triangle, _)| {
+                let [a, b, c] = triangle.map(|v| vertices[v as usize]);
+                a != b && b != c && c != a
+            })
+            .unzip();
+        (self.triangles, self.patches) = (triangles, patches);
     }
 
     /// Checks whether the surface, all parts together, is closed, and measures the volume inside.

@@ -13,7 +13,14 @@ const TETRAHEDRA: [[u8; 4]; 6] = [
 
 /// Calls `hit` with the triangles, as three cut edges of (inner corner, outer corner), between the corners of a
 /// cube that are inside and those that are not. Triangles are counter-clockwise seen from outside.
-pub(super) fn triangles_of_cube(inside: u8, mut hit: impl FnMut([(u8, u8); 3])) {
+///
+/// A quadrangle is halved by its diagonal from edge (a, c) to edge (b, d), of inner corners a < b and outer ones c < d, or by the other one if `other` holds
+/// for c.
+pub(super) fn triangles_of_cube(
+    inside: u8,
+    other: impl Fn(u8) -> bool,
+    mut hit: impl FnMut([(u8, u8); 3]),
+) {
     if inside == 0 || inside == u8::MAX {
         return;
     }
@@ -24,30 +31,30 @@ pub(super) fn triangles_of_cube(inside: u8, mut hit: impl FnMut([(u8, u8); 3])) 
         if count == 0 || count == 4 {
             continue;
         }
-        // The inner corners first. Every exchange turns the tetrahedron inside out.
+        // The inner corners first, each kind along the edges. Every exchange of neighbours turns the tetrahedron inside out.
+        let key = |corner: u8| (!is_in(corner), corner);
         let mut odd = false;
-        for first in 0..4 {
-            let best = (first..4).find(|&k| is_in(order[k]));
-            if let Some(best) = best
-                && best != first
-            {
-                order.swap(first, best);
-                odd = !odd;
+        for end in (1..4).rev() {
+            for k in 0..end {
+                if key(order[k + 1]) < key(order[k]) {
+                    order.swap(k, k + 1);
+                    odd = !odd;
+                }
             }
-        }
-        if odd && count == 1 {
-            order.swap(2, 3);
-        } else if odd {
-            order.swap(0, 1);
         }
         let [a, b, c, d] = order;
+        let mut turned = |[p, q, r]: [(u8, u8); 3]| hit(if odd { [r, q, p] } else { [p, q, r] });
         match count {
-            1 => hit([(a, b), (a, c), (a, d)]),
-            2 => {
-                hit([(a, c), (a, d), (b, d)]);
-                hit([(a, c), (b, d), (b, c)]);
+            1 => turned([(a, b), (a, c), (a, d)]),
+            2 if other(c) => {
+                turned([(a, d), (b, d), (b, c)]);
+                turned([(a, d), (b, c), (a, c)]);
             }
-            _ => hit([(a, d), (b, d), (c, d)]),
+            2 => {
+                turned([(a, c), (a, d), (b, d)]);
+                turned([(a, c), (b, d), (b, c)]);
+            }
+            _ => turned([(a, d), (b, d), (c, d)]),
         }
     }
 }
@@ -76,22 +83,26 @@ mod tests {
     /// Every triangle has its outer corners in front and its inner ones behind, in all 254 cases.
     #[test]
     fn triangles_face_outward() {
-        for inside in 1..u8::MAX {
+        for (inside, other) in (1..u8::MAX).flat_map(|n| [(n, false), (n, true)]) {
             let mut count = 0;
-            triangles_of_cube(inside, |edges| {
-                let [a, b, c] =
-                    edges.map(|(p, q)| Point3::from((place(p).coords + place(q).coords) * 0.5));
-                let normal: Vector3 = (b - a).cross(&(c - a));
-                assert!(normal.norm() > 0.1);
-                for (inner, outer) in edges {
-                    assert!(inside >> inner & 1 == 1 && inside >> outer & 1 == 0);
-                    assert!(
-                        normal.dot(&(place(outer) - place(inner))) > 0.0,
-                        "{inside:b}"
-                    );
-                }
-                count += 1;
-            });
+            triangles_of_cube(
+                inside,
+                |_| other,
+                |edges| {
+                    let [a, b, c] =
+                        edges.map(|(p, q)| Point3::from((place(p).coords + place(q).coords) * 0.5));
+                    let normal: Vector3 = (b - a).cross(&(c - a));
+                    assert!(normal.norm() > 0.1);
+                    for (inner, outer) in edges {
+                        assert!(inside >> inner & 1 == 1 && inside >> outer & 1 == 0);
+                        assert!(
+                            normal.dot(&(place(outer) - place(inner))) > 0.0,
+                            "{inside:b}"
+                        );
+                    }
+                    count += 1;
+                },
+            );
             assert!(count > 0);
         }
     }

@@ -12,7 +12,8 @@ use crate::table::{Cell, Table};
 const BLOCK: usize = 8;
 
 /// Pore diameter (m) of every void voxel: that of the largest ball that fits into the void, has its centre at that
-/// of a void voxel, and covers the voxel's centre (local thickness, Hildebrand and Rüegsegger 1997). 0 for others.
+/// of a void voxel, and covers the voxel's centre (local thickness, Hildebrand and Rüegsegger 1997). 0 for others. Balls go on
+/// through faces along axes on which the image repeats itself.
 ///
 /// `distances` are those of [`signed_distance`](super::signed_distance) for the same image. Since balls have their
 /// centres on the voxels, diameters are too small, by at most the diagonal of a voxel.
@@ -42,7 +43,7 @@ pub fn local_thickness(image: &VoxelImage, distances: &[f64]) -> Result<Vec<f64>
                 if slab.left == 0 {
                     break;
                 }
-                slab.cover(grid.position(*index), *radius);
+                slab.cover_images(grid.position(*index), *radius);
             }
             slab.diameters
         },
@@ -53,6 +54,7 @@ pub fn local_thickness(image: &VoxelImage, distances: &[f64]) -> Result<Vec<f64>
 /// A few layers of voxels that are being covered.
 struct Slab<'a> {
     grid: &'a VoxelGrid,
+    repeats: [bool; 3],
     labels: &'a [u32],
     bottom: usize,
     top: usize,
@@ -79,6 +81,7 @@ impl<'a> Slab<'a> {
         }
         Self {
             grid,
+            repeats: image.repeats,
             labels,
             bottom,
             top,
@@ -88,15 +91,42 @@ impl<'a> Slab<'a> {
         }
     }
 
-    /// Voxels along axis `k`, of all, within a distance of a voxel.
-    fn reach(&self, k: usize, centre: usize, distance: f64) -> [usize; 2] {
+    /// Voxels within a distance along axis `k`.
+    fn steps(&self, k: usize, distance: f64) -> i64 {
         // To round-off; every voxel is tested by itself.
-        let steps = (distance / self.grid.spacing[k] + 1e-9).floor() as usize;
-        let end = centre.saturating_add(steps).min(self.grid.counts[k] - 1);
-        [centre.saturating_sub(steps), end]
+        (distance / self.grid.spacing[k] + 1e-9).floor() as i64
     }
 
-    fn cover(&mut self, centre: [usize; 3], radius: f64) {
+    /// Voxels along axis `k`, of all, within a distance of a place; the first is not above the last if there is any.
+    fn reach(&self, k: usize, centre: i64, distance: f64) -> [usize; 2] {
+        let steps = self.steps(k, distance);
+        let end = centre
+            .saturating_add(steps)
+            .min(self.grid.counts[k] as i64 - 1);
+        [centre.saturating_sub(steps).max(0), end].map(|at| at as usize)
+    }
+
+    /// Covers by a ball about the centre of a voxel and by the images of it.
+    fn cover_images(&mut self, centre: [usize; 3], radius: f64) {
+        let places = [0, 1, 2].map(|k| {
+            let (at, count) = (centre[k] as i64, self.grid.counts[k] as i64);
+            if !self.repeats[k] {
+                return (at..at + 1).step_by(1);
+            }
+            let steps = self.steps(k, radius);
+            let (below, above) = ((at + steps) / count, (count - 1 - at + steps) / count);
+            (at - below * count..at + above * count + 1).step_by(count as usize)
+        });
+        for z in places[2].clone() {
+            for y in places[1].clone() {
+                for x in places[0].clone() {
+                    self.cover([x, y, z], radius);
+                }
+            }
+        }
+    }
+
+    fn cover(&mut self, centre: [i64; 3], radius: f64) {
         let [low, high] = self.reach(2, centre[2], radius);
         let (low, high) = (low.max(self.bottom), (high + 1).min(self.top));
         if low >= high {
@@ -121,12 +151,12 @@ impl<'a> Slab<'a> {
     /// Covers void voxels of a block; returns how many were not covered before.
     fn cover_block(
         &mut self,
-        centre: [usize; 3],
+        centre: [i64; 3],
         radius: f64,
         [x, y, z]: [std::ops::Range<usize>; 3],
     ) -> u32 {
         let square =
-            |k: usize, at: usize| (at.abs_diff(centre[k]) as f64 * self.grid.spacing[k]).powi(2);
+            |k: usize, at: usize| ((at as i64 - centre[k]) as f64 * self.grid.spacing[k]).powi(2);
         let limit = radius * radius;
         let mut covered = 0;
         for k in z {

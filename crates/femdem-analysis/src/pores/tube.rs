@@ -12,12 +12,13 @@ use crate::region::{NOT_UPRIGHT, Region};
 /// Facets around a cylinder.
 const FACETS: u32 = 360;
 
-/// The closed surface of a box or a cylinder, with its sides and ends as parts. A cylinder has 360 facets that touch
+/// The closed surface of a box or a cylinder, with its sides and ends as parts; sides along axes on which space `repeats` itself
+/// are parts of their own. A cylinder has 360 facets that touch
 /// it from outside, so that none cuts into what is inside: its volume is larger by 2.5e-5 of itself.
 ///
 /// # Errors
 /// [`AnalysisError::Region`], [`AnalysisError::RegionKind`] for a ball.
-pub fn tube_surface(region: &Region) -> Result<Surface, AnalysisError> {
+pub fn tube_surface(region: &Region, repeats: [bool; 3]) -> Result<Surface, AnalysisError> {
     region.validate()?;
     let (low, high) = region.corners();
     let outline: Vec<[f64; 2]> = match *region {
@@ -46,11 +47,23 @@ pub fn tube_surface(region: &Region) -> Result<Surface, AnalysisError> {
     };
     let at = |p: &[f64; 2], z: f64| Point3::new(p[0], p[1], z);
     let mut surface = Surface::default();
+    // In the order of the outline of a box.
+    let sides = [
+        (1, SurfacePatch::YLow),
+        (0, SurfacePatch::XHigh),
+        (1, SurfacePatch::YHigh),
+        (0, SurfacePatch::XLow),
+    ];
+    let is_box = matches!(region, Region::Box { .. });
+    let part = |side: usize| match sides.get(side) {
+        Some((axis, part)) if is_box && repeats[*axis] => *part,
+        _ => SurfacePatch::Sides,
+    };
     let next = outline.iter().cycle().skip(1);
-    for (p, q) in outline.iter().zip(next) {
+    for (side, (p, q)) in outline.iter().zip(next).enumerate() {
         let [a, b, c, d] = [at(p, low), at(q, low), at(q, high), at(p, high)];
-        surface.push([a, b, c], SurfacePatch::Sides);
-        surface.push([a, c, d], SurfacePatch::Sides);
+        surface.push([a, b, c], part(side));
+        surface.push([a, c, d], part(side));
         surface.push([at(&middle, low), b, a], SurfacePatch::Low);
         surface.push([at(&middle, high), d, c], SurfacePatch::High);
     }

@@ -8,6 +8,7 @@ use crate::blocks::Blocks;
 use crate::bootstrap::BlockBootstrap;
 use crate::error::AnalysisError;
 use crate::network::ForceNetwork;
+use crate::pack::WHOLE;
 use crate::region::Region;
 
 /// Mean stress in a region.
@@ -93,9 +94,6 @@ pub fn region_stress(
         region: *region,
     })
 }
-
-/// Along an axis that repeats itself a region must be as wide as the cell to this part of it.
-const WHOLE: f64 = 1e-9;
 
 /// Refuses a region that is only a part of periodic space along an axis that repeats itself.
 fn check_whole(network: &ForceNetwork, region: &Region) -> Result<(), AnalysisError> {

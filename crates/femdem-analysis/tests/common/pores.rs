@@ -1,6 +1,7 @@
 //! What tests of the void space share.
 
-use femdem_analysis::Region;
+use femdem_analysis::mesh::PeriodicCell;
+use femdem_analysis::{PeriodicSpace, Region};
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::{Point3, Polyhedron};
 
@@ -9,6 +10,21 @@ pub fn region(low: [f64; 3], high: [f64; 3]) -> Region {
     Region::Box {
         min: low.into(),
         max: high.into(),
+    }
+}
+
+/// A box as a body.
+pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Polyhedron {
+    let corners = (0..8)
+        .map(|c| Point3::from([0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] })));
+    femdem_mesh::convex_hull(&corners.collect::<Vec<_>>()).unwrap()
+}
+
+/// Periodic space with a corner of its cell at the origin.
+pub fn space(sides: [Option<f64>; 3]) -> PeriodicSpace {
+    PeriodicSpace {
+        cell: PeriodicCell::new(sides).unwrap(),
+        lower: Point3::origin(),
     }
 }
 

@@ -81,6 +81,7 @@ mod tests {
                 spacing: [1.0, 0.5, 0.5],
                 counts: [3, 1, 1],
             },
+            repeats: [false; 3],
             labels: vec![VOID, 258, OUTSIDE],
         };
         let mut header = Vec::new();

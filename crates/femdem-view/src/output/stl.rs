@@ -54,7 +54,7 @@ mod tests {
             min: Point3::origin(),
             max: Point3::new(1.0, 2.0, 3.0),
         };
-        let surface = tube_surface(&region).unwrap();
+        let surface = tube_surface(&region, [false; 3]).unwrap();
         let parts = [SurfacePatch::Sides, SurfacePatch::Low, SurfacePatch::High];
         let all: Vec<_> = parts.into_iter().flat_map(|p| surface.part(p)).collect();
         let mut bytes = Vec::new();

@@ -135,17 +135,6 @@ pub(crate) enum Origin {
 }
 
 impl Found {
-    /// Refuses to measure pores in periodic space, where bodies that reach over its faces are seen on one side only.
-    pub(super) fn refuse_images(&self) -> Result<()> {
-        if self.snapshot.space.is_some() {
-            bail!(
-                "space repeats itself in {}, and pores are not measured over its edges: `femdem analyse` has the densities",
-                self.folder.display()
-            );
-        }
-        Ok(())
-    }
-
     /// Refuses frames of a periodic cell that may have moved since: their tables do not tell its edges.
     pub(super) fn refuse_moved_cell(&self) -> Result<()> {
         if let Origin::Run(_, Some(frame)) = &self.origin

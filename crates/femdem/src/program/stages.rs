@@ -37,12 +37,18 @@ fn run_stages(args: &SceneArgs, stages: &[Stage]) -> Result<Outcome> {
         }
         output::write_file(out.join(SCENE), |w| std::io::Write::write_all(w, &text))?;
     }
-    // A stage that starts from another one is checked when that is there.
-    let stages = if args.check { &stages[..1] } else { stages };
     for (k, stage) in stages.iter().enumerate() {
         announce(k, stages.len(), stage, args.run.quiet);
         if run_scenario(args, stage.scenario.clone())? == Outcome::Interrupted {
             return Ok(Outcome::Interrupted);
+        }
+        if args.check {
+            if stages.len() > 1 {
+                say(
+                    "the other stages start from the end of this one, and are checked when it is there",
+                );
+            }
+            break;
         }
     }
     Ok(Outcome::Finished)

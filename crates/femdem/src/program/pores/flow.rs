@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use femdem::Snapshot;
 use femdem::analysis::pores::{
     Bridge, Sides, Solids, Surface, SurfaceCheck, SurfacePatch, Treatment, deepest_void,
-    facet_surface, signed_distance, tube_surface, void_surface, voxel_image,
+    facet_surface, signed_distance, surface_region, tube_surface, void_surface, voxel_image,
 };
 use femdem::analysis::{Region, exact_density};
 use femdem::mesh::Point3;
@@ -83,15 +83,11 @@ pub(super) fn make(
     let exact_void = exact.region_volume * (1.0 - exact.density);
     let inside = deepest_void(&fields.image, &fields.distances)
         .context("no voxel of the image is void: give smaller voxels")?;
-    let sides = match space.sides {
-        Sides::Wall => "wall",
-        Sides::Open => "sides",
-    };
     let mut summary = FlowSummary {
         contacts: "",
         value: 0.0,
         region: space.tube,
-        patches: vec!["bodies", sides, "inlet", "outlet"],
+        patches: patches(space).map(|(name, _)| name).collect(),
         checks: Vec::new(),
         changed: 0,
         beyond: 0,
@@ -107,7 +103,7 @@ pub(super) fn make(
                 Treatment::Cap(gap) => ("cap", gap),
             };
             let bodies = facet_surface(solids.pack(), &space.tube, space.sides, treatment)?;
-            let tube = tube_surface(&space.tube)?;
+            let tube = tube_surface(&space.tube, space.repeats)?;
             (summary.changed, summary.beyond) = (bodies.changed, bodies.beyond);
             summary.overlapping = bodies.overlapping;
             summary.check("bodies", &bodies.surface, bodies.volume_before);
@@ -122,16 +118,17 @@ pub(super) fn make(
             (summary.contacts, summary.value) = ("bridge", radius);
             let image = voxel_image(solids, &space.tube, space.voxel)?;
             let distances = signed_distance(solids, &image, Sides::Open);
-            let bridges: Vec<Bridge> = snapshot
-                .contacts
-                .iter()
-                .map(|row| Bridge {
-                    point: row.point,
-                    normal: row.normal,
-                    radius,
-                })
-                .collect();
+            let bridges = snapshot.contacts.iter().map(|row| Bridge {
+                point: row.point,
+                normal: row.normal,
+                radius,
+            });
+            let bridges: Vec<Bridge> = match &snapshot.space {
+                Some(space) => bridges.flat_map(|b| b.images(space, &image)).collect(),
+                None => bridges.collect(),
+            };
             let void = void_surface(&image, &distances, &bridges)?;
+            summary.region = surface_region(&image);
             summary.check("void", &void, exact_void);
             summary.void_volume = Some(summary.checks[0].counts.volume);
             vec![void]
@@ -142,6 +139,46 @@ pub(super) fn make(
         inside,
         summary,
     })
+}
+
+/// The sides along an axis on which space repeats itself.
+const PAIRS: [[(&str, SurfacePatch); 2]; 3] = [
+    [
+        ("x_low", SurfacePatch::XLow),
+        ("x_high", SurfacePatch::XHigh),
+    ],
+    [
+        ("y_low", SurfacePatch::YLow),
+        ("y_high", SurfacePatch::YHigh),
+    ],
+    [("z_low", SurfacePatch::Low), ("z_high", SurfacePatch::High)],
+];
+
+/// The sides and ends elsewhere.
+const OTHERS: [(&str, SurfacePatch); 4] = [
+    ("wall", SurfacePatch::Sides),
+    ("sides", SurfacePatch::Sides),
+    ("inlet", SurfacePatch::Low),
+    ("outlet", SurfacePatch::High),
+];
+
+/// Names of the patches, and the parts of the surfaces that they are.
+fn patches(space: &Space) -> impl Iterator<Item = (&'static str, SurfacePatch)> {
+    let repeats = space.repeats;
+    let [wall, sides, inlet, outlet] = OTHERS;
+    let side = match space.sides {
+        Sides::Wall => wall,
+        Sides::Open => sides,
+    };
+    let pairs = PAIRS.into_iter().zip(repeats);
+    let pairs = pairs.filter_map(|(pair, repeats)| repeats.then_some(pair));
+    let side = (!(repeats[0] && repeats[1])).then_some(side);
+    let ends = (!repeats[2]).then_some([inlet, outlet]);
+    [("bodies", SurfacePatch::Bodies)]
+        .into_iter()
+        .chain(side)
+        .chain(ends.into_iter().flatten())
+        .chain(pairs.flatten())
 }
 
 impl FlowSummary {
@@ -166,20 +203,14 @@ impl Flow {
                 .with_context(|| format!("cannot make the folder {}", made.display()))?;
         }
         // Those of an earlier case may have other names.
-        for name in ["wall.stl", "sides.stl"] {
-            let path = surfaces.join(name);
+        for (name, _) in PAIRS.as_flattened().iter().chain(&OTHERS) {
+            let path = surfaces.join(format!("{name}.stl"));
             if path.is_file() {
                 fs::remove_file(&path)
                     .with_context(|| format!("cannot remove {}", path.display()))?;
             }
         }
-        let parts = [
-            SurfacePatch::Bodies,
-            SurfacePatch::Sides,
-            SurfacePatch::Low,
-            SurfacePatch::High,
-        ];
-        for (name, part) in self.summary.patches.iter().zip(parts) {
+        for (name, part) in patches(space) {
             let triangles = self.surfaces.iter().flat_map(|surface| surface.part(part));
             write_file(surfaces.join(format!("{name}.stl")), |w| {
                 stl::write_triangles(triangles, w)
@@ -191,7 +222,7 @@ impl Flow {
             wall: matches!(*name, "bodies" | "wall"),
         };
         let case = FlowCase {
-            region: space.tube,
+            region: self.summary.region,
             patches: self.summary.patches.iter().map(patch).collect(),
             inside: self.inside,
             cell: CELL * space.voxel,
@@ -210,21 +241,33 @@ impl Flow {
 impl FlowSummary {
     /// The text beside the case.
     fn note(&self) -> String {
-        let side = self.patches[1];
-        let about = match side {
-            "wall" => "the side wall of the container",
-            _ => "the upright sides, cut through a pack that goes on: symmetry planes or periodic",
+        let about = |name: &str| match name {
+            "bodies" => format!("the bodies; contacts: {} {}", self.contacts, self.value),
+            "wall" => "the side wall of the container".to_owned(),
+            "sides" => {
+                "the upright sides, cut through a pack that goes on: symmetry planes".to_owned()
+            }
+            "inlet" => "the lower end (smallest z)".to_owned(),
+            "outlet" => "the upper end".to_owned(),
+            _ => format!(
+                "a side of the periodic cell, a period from the other along {}",
+                &name[..1]
+            ),
+        };
+        let line = |name: &&str| format!("  {:<12} {}\n", format!("{name}.stl"), about(name));
+        let list: String = self.patches.iter().map(line).collect();
+        let cyclic = if self.patches.iter().any(|name| name.ends_with("_low")) {
+            "Make the sides of the periodic cell patches of type cyclicAMI with createPatch.\n\n"
+        } else {
+            ""
         };
         format!(
-            "Surfaces of the void of a pack, in m, for snappyHexMesh (constant/triSurface).\n\n  \
-             bodies.stl   the bodies; contacts: {} {}\n  {side}.stl   {about}\n  \
-             inlet.stl    the lower end (smallest z)\n  outlet.stl   the upper end\n\n\
+            "Surfaces of the void of a pack, in m, for snappyHexMesh (constant/triSurface).\n\n{list}\n{cyclic}\
              With OpenFOAM in the shell, in this folder:\n\n  blockMesh\n  snappyHexMesh -overwrite\n  checkMesh\n\n\
-             The mesh of the void then has these four patches. Cells are halved {LEVEL} times at the bodies: see level in\n\
+             The mesh of the void then has these patches. Cells are halved {LEVEL} times at the bodies: see level in\n\
              system/snappyHexMeshDict. Gaps narrower than such a cell are not meshed. controlDict, fvSchemes and\n\
              fvSolution are a start for simpleFoam with laminar flow; properties of the fluid and the folder 0 are\n\
-             yours to add.\n",
-            self.contacts, self.value
+             yours to add.\n"
         )
     }
 }

@@ -9,7 +9,6 @@ mod summary;
 use std::fs;
 
 use anyhow::{Context, Result};
-use femdem::analysis::Pack;
 use femdem::analysis::pores::Solids;
 use femdem::output::write_file;
 
@@ -28,9 +27,11 @@ const JSON: &str = "pores.json";
 pub(crate) fn run(args: &PoresArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let read = space::read(args)?;
-        let pack = Pack::new(&read.shapes, &read.bodies)?;
+        let near = read.images(args, read.diameter)?;
+        let space = Space::new(args, &read, &near.pack(&read.shapes)?)?;
+        let images = read.images(args, space.reach(&read, &near)?)?;
+        let pack = images.pack(&read.shapes)?;
         let solids = Solids::new(&pack).with_balls(&read.balls)?;
-        let space = Space::new(args, &read, &pack)?;
         let out = args.out.clone();
         let out = out.unwrap_or_else(|| read.folder.join(FOLDER));
         let tell = |text: &dyn std::fmt::Display| {

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use femdem::analysis::pores::{Sides, Treatment, flow_region, shrink_factor};
-use femdem::analysis::{Pack, PosedBody, Region, top_plane};
+use femdem::analysis::pores::{Sides, Solids, Treatment, flow_region, images_reach, shrink_factor};
+use femdem::analysis::{Pack, PosedBody, Region, WithImages, top_plane};
 use femdem::mesh::Polyhedron;
 use femdem::scene::Length;
 use femdem::solve::Shape;
@@ -28,11 +28,16 @@ const LINES: f64 = 0.25;
 /// Relative difference of volumes that are equal to round-off.
 const EQUAL: f64 = 1e-9;
 
+/// Side of the voxels that find how far from a body a point of periodic space can be, in mean diameters.
+const COARSE: f64 = 0.5;
+
 /// A pack as read.
 pub(super) struct Read {
     pub snapshot: Snapshot,
     pub shapes: Vec<Polyhedron>,
     pub bodies: Vec<PosedBody>,
+    /// Mean circumscribed diameter \[m\].
+    pub diameter: f64,
     /// Radius of each shape that is an exact ball \[m\].
     pub balls: Vec<Option<f64>>,
     /// What was read, in a line, where there is no summary of it.
@@ -46,7 +51,7 @@ pub(super) struct Read {
 /// Reads the pack in a folder.
 pub(super) fn read(args: &PoresArgs) -> Result<Read> {
     let found = source::read(&args.folder, &args.foreign, &args.frame)?;
-    found.refuse_images()?;
+    found.refuse_moved_cell()?;
     let lead = found.lead();
     let Found {
         snapshot,
@@ -71,15 +76,31 @@ pub(super) fn read(args: &PoresArgs) -> Result<Read> {
     let (shapes, bodies) = snapshot.posed();
     // Shapes of deformable bodies, and of packs from elsewhere, are no balls.
     balls.resize(shapes.len(), None);
+    let diameter = Pack::new(&shapes, &bodies)?.mean_diameter()?;
     Ok(Read {
         snapshot,
         shapes,
         bodies,
+        diameter,
         balls,
         lead,
         folder,
         frame,
     })
+}
+
+impl Read {
+    /// The bodies, and in periodic space their images within `reach` \[m\] of what may be looked at.
+    pub(super) fn images(&self, args: &PoresArgs, reach: f64) -> Result<WithImages> {
+        let given = args.region.as_ref().map(|given| &given.0);
+        let region = given.or(self.snapshot.container.as_ref());
+        Ok(match (&self.snapshot.space, region) {
+            (Some(space), Some(region)) => {
+                WithImages::new(&self.shapes, &self.bodies, space, region, reach)?
+            }
+            _ => WithImages::none(self.bodies.clone()),
+        })
+    }
 }
 
 /// The radius of the ball among the shapes of a run that a shape from the tables of a frame is \[m\]; `None` if it
@@ -107,6 +128,8 @@ pub(super) struct Space {
     pub diameter: f64,
     pub region: Region,
     pub sides: Sides,
+    /// Axes along which the region repeats itself, and the space of the surfaces does.
+    pub repeats: [bool; 3],
     /// Side of a voxel \[m\].
     pub voxel: f64,
     /// The space of the surfaces.
@@ -116,13 +139,25 @@ pub(super) struct Space {
 
 impl Space {
     pub(super) fn new(args: &PoresArgs, read: &Read, pack: &Pack) -> Result<Self> {
-        let diameter = pack.mean_diameter()?;
+        let diameter = read.diameter;
         let metres = |given: Option<Length>, default: f64| {
             given.map_or(default * diameter, |size| size.metres(diameter))
         };
         let container = read.snapshot.container.as_ref();
+        let endless = read
+            .snapshot
+            .space
+            .is_some_and(|space| space.cell.repeats(2));
         let (region, tube) = match (&args.region, container) {
             (Some(given), _) => (given.0, given.0),
+            (None, Some(container)) if endless => {
+                if args.margin.is_some() {
+                    bail!(
+                        "--margin has no effect in space that repeats itself along z: leave it out"
+                    );
+                }
+                (*container, *container)
+            }
             (None, Some(container)) => {
                 let top = top_plane(pack, container, LINES * diameter)?;
                 let filled = container
@@ -136,13 +171,14 @@ impl Space {
                  cylinder:X,Y,RADIUS,Z0,Z1, in m"
             ),
         };
-        let sides = match args.sides {
-            Some(SidesKind::Wall) => Sides::Wall,
-            Some(SidesKind::Open) => Sides::Open,
-            None if container.is_some_and(|container| is_as_wide(&region, container)) => {
-                Sides::Wall
-            }
-            None => Sides::Open,
+        let repeats = pack.repeats_over(&region)?;
+        if repeats[0] && repeats[1] && args.sides.is_some() {
+            bail!("--sides has no effect where space repeats itself along x and y: leave it out");
+        }
+        let sides = match (args.sides, container) {
+            (Some(SidesKind::Wall), _) => Sides::Wall,
+            (None, Some(container)) if pack.has_sides_of(&region, container)? => Sides::Wall,
+            (Some(SidesKind::Open), _) | (None, _) => Sides::Open,
         };
         let voxel = metres(args.voxel, VOXEL);
         let all_convex = read.shapes.iter().all(Polyhedron::is_convex);
@@ -180,6 +216,7 @@ impl Space {
             diameter,
             region,
             sides,
+            repeats,
             voxel,
             tube,
             treatment,
@@ -187,31 +224,29 @@ impl Space {
     }
 }
 
-/// Whether two regions have the same upright sides.
-fn is_as_wide(region: &Region, container: &Region) -> bool {
-    match (*region, *container) {
-        (
-            Region::Box { min, max },
-            Region::Box {
-                min: low,
-                max: high,
-            },
-        ) => {
-            let size = (high - low).norm();
-            (min - low).xy().norm() + (max - high).xy().norm() < 1e-6 * size
+impl Space {
+    /// How far bodies count \[m\], of all images of `near`.
+    pub(super) fn reach(&self, read: &Read, near: &WithImages) -> Result<f64> {
+        if read.snapshot.space.is_none() {
+            return Ok(0.0);
         }
-        (
-            Region::Cylinder { centre, radius, .. },
-            Region::Cylinder {
-                centre: middle,
-                radius: whole,
-                ..
-            },
-        ) => {
-            let off = (centre[0] - middle[0]).hypot(centre[1] - middle[1]);
-            off + (radius - whole).abs() < 1e-6 * whole
+        let pack = near.pack(&read.shapes)?;
+        let solids = Solids::new(&pack).with_balls(&read.balls)?;
+        let gap = match self.treatment {
+            Some(Treated::Facets(Treatment::Gap(gap) | Treatment::Cap(gap))) => gap,
+            _ => 0.0,
+        };
+        let voxel = COARSE * self.diameter;
+        Ok(images_reach(&solids, &self.region, voxel, gap)?)
+    }
+
+    /// What the upright sides are, in a word.
+    pub(super) fn sides_word(&self) -> &'static str {
+        match (self.repeats, self.sides) {
+            ([true, true, _], _) => "periodic",
+            (_, Sides::Wall) => "wall",
+            (_, Sides::Open) => "open",
         }
-        _ => false,
     }
 }
 
@@ -246,22 +281,5 @@ mod tests {
             polyhedron: own[0].polyhedron.clone(),
         };
         assert_eq!(radius_among(own, &cut), None);
-    }
-
-    #[test]
-    fn sides_are_walls_where_they_are_those_of_the_container() {
-        let drum = |radius: f64, z_max: f64| Region::Cylinder {
-            centre: [0.0; 2],
-            radius,
-            z_min: 0.0,
-            z_max,
-        };
-        assert!(is_as_wide(&drum(1.0, 2.0), &drum(1.0, 5.0)));
-        assert!(!is_as_wide(&drum(0.9, 2.0), &drum(1.0, 5.0)));
-        let cube = Region::Box {
-            min: [-1.0; 3].into(),
-            max: [1.0; 3].into(),
-        };
-        assert!(!is_as_wide(&cube, &drum(1.0, 5.0)) && is_as_wide(&cube, &cube));
     }
 }

@@ -1,7 +1,6 @@
 //! `pores.json`.
 
 use femdem::analysis::Region;
-use femdem::analysis::pores::Sides;
 use serde::Serialize;
 
 use super::flow::FlowSummary;
@@ -24,6 +23,8 @@ pub(super) struct Summary {
     diameter: f64,
     region: Region,
     sides: &'static str,
+    /// Axes along which the region repeats itself.
+    periodic: [bool; 3],
     #[serde(flatten)]
     voxels: VoxelSummary,
     /// `None` without surfaces.
@@ -44,10 +45,8 @@ impl Summary {
             bodies: read.bodies.len(),
             diameter: space.diameter,
             region: space.region,
-            sides: match space.sides {
-                Sides::Wall => "wall",
-                Sides::Open => "open",
-            },
+            sides: space.sides_word(),
+            periodic: space.repeats,
             voxels,
             surface,
         }

@@ -121,8 +121,11 @@ impl ControlledCell {
     }
 }
 
-/// Volume of the bodies, which are rigid, with those that sources have brought \[m³\].
+/// Volume of the bodies, undeformed, with those that sources have brought \[m³\].
 fn solid(world: &World) -> f64 {
     let volume = |id| Some(world.shape(world.shape_of(id)?)?.volume);
-    world.body_ids().filter_map(volume).sum()
+    let rigid: f64 = world.body_ids().filter_map(volume).sum();
+    let soft = world.deformables();
+    let soft: f64 = soft.flat_map(|body| body.model().volumes()).sum();
+    rigid + soft
 }
