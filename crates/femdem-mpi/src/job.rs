@@ -56,7 +56,7 @@ impl Job {
         }
         let empty = World::new(WorldParameters::default())?;
         let mut world = run.give_world(empty);
-        world.share_out(halo)?;
+        world.share_out_with(&run.scenario().to_toml()?, halo)?;
         Ok(Self {
             world,
             scenario: run.scenario().clone(),

@@ -121,7 +121,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         "mean height over d\t{:.4}",
         heights.sum::<f64>() / (bodies * DIAMETER)
     )?;
-    let report = packing.report();
+    let report = packing.report()?;
     writeln!(out, "settled\t{}", report.settled)?;
     if let Some(found) = report.verification {
         writeln!(out, "tries to verify\t{}", found.tries)?;

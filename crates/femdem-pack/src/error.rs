@@ -114,6 +114,9 @@ pub enum PackError {
         /// Highest point of any start, m.
         released: f64,
     },
+    /// A rank has only a part of the bodies.
+    #[error("a report of a job that is shared out is not possible: gather it first")]
+    Shared,
     /// The record of a pack does not fit its world: the checkpoint was altered.
     #[error("the state of the pack is inconsistent: {what}; start from an unaltered checkpoint")]
     Inconsistent {

@@ -21,7 +21,7 @@
 //!     let progress = packing.advance(500)?;
 //!     assert!(progress.placed <= 4);
 //! }
-//! let report = packing.report();
+//! let report = packing.report()?;
 //! assert!(report.settled && report.residual_max_over_load <= 0.02);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -4,8 +4,10 @@
 
 use crate::threads::Threads;
 use femdem_mesh::catalogue::{CatalogueShape, Solid};
+use femdem_mesh::shapes::Shape;
+use femdem_mesh::tet::MeshOptions;
 use femdem_pack::{Container, PackShape, PackSpec, Packing, Penalty, Pour, Protocol, Release};
-use femdem_solve::{Halo, Medium, checkpoint};
+use femdem_solve::{Alone, Halo, Medium, checkpoint};
 
 const D: f64 = 0.02;
 
@@ -30,21 +32,43 @@ fn mixed(count: u32) -> PackSpec {
     }
 }
 
-/// A job that ranks share and finish, as the first one has it.
-fn over_ranks(packing: &Packing, size: usize) -> Packing {
+/// Bodies that are not convex, in a box whose ends know nothing of each other.
+fn wide(count: u32) -> PackSpec {
+    let ring: Shape = "hollow_cylinder:sides=8,aspect=0.5".parse().unwrap();
+    let ring = ring.polyhedron(D).unwrap();
+    let (ring, _) = PackShape::of_surface("ring", ring, &MeshOptions::default()).unwrap();
+    PackSpec {
+        shapes: vec![ring],
+        container: Container::Box {
+            width: 12.0 * D,
+            depth: 2.0 * D,
+        },
+        ..mixed(count)
+    }
+}
+
+/// A job that ranks share and finish, as the first one has it; and whether that was ever without some of the bodies.
+fn shared(packing: &Packing, size: usize) -> (Packing, bool) {
     let all = Threads::each(size, |halo| {
         let mut packing = packing.clone();
         packing.share_out(halo).unwrap();
+        let mut lacks = false;
         while !packing.is_done() {
             packing.advance_on(100, halo).unwrap();
+            let world = packing.world();
+            lacks |= world.body_count() < world.count_in_whole();
         }
-        packing.gather(halo).unwrap()
+        Some((packing.gather(halo).unwrap()?, lacks))
     });
     all.into_iter().flatten().next().unwrap()
 }
 
+fn over_ranks(packing: &Packing, size: usize) -> Packing {
+    shared(packing, size).0
+}
+
 fn assert_same(whole: &Packing, other: &Packing, what: &str) {
-    assert_eq!(whole.report(), other.report(), "{what}");
+    assert_eq!(whole.report().unwrap(), other.report().unwrap(), "{what}");
     assert_eq!(whole.progress(), other.progress(), "{what}");
     let [a, b] = [whole, other].map(|packing| packing.world().checksum_of_motion().unwrap());
     assert_eq!(a, b, "{what}");
@@ -98,6 +122,37 @@ fn ranks_make_the_same_pack_in_other_ways() {
         whole.run().unwrap();
         assert_same(&whole, &over_ranks(&start, 2), what);
     }
+}
+
+#[test]
+fn ranks_that_know_a_part_make_the_same_pack() {
+    let start = Packing::new(wide(14)).unwrap();
+    let mut whole = start.clone();
+    whole.run().unwrap();
+    let (other, lacks) = shared(&start, 2);
+    assert!(lacks);
+    assert_same(&whole, &other, "wide");
+}
+
+#[test]
+fn jobs_that_differ_are_not_shared() {
+    let refused = Threads::each(2, |halo| {
+        let mut spec = mixed(4);
+        spec.settling.residual *= 1.0 + halo.rank() as f64;
+        let mut packing = Packing::new(spec).unwrap();
+        packing.share_out(halo).unwrap_err().to_string()
+    });
+    for refused in refused {
+        assert!(refused.contains("different worlds or jobs"), "{refused}");
+    }
+}
+
+#[test]
+fn a_part_of_a_job_gives_no_report() {
+    let mut packing = Packing::new(mixed(4)).unwrap();
+    packing.share_out(&mut Alone).unwrap();
+    let refused = packing.report().unwrap_err().to_string();
+    assert!(refused.contains("gather it first"), "{refused}");
 }
 
 /// A job that some ranks have left at any stage goes on over others.

@@ -159,7 +159,7 @@ fn unknown_keys_are_refused() {
 #[test]
 fn an_empty_report_has_no_minus_zero() {
     let packing = Packing::new(cubes(2)).unwrap();
-    let report = packing.report();
+    let report = packing.report().unwrap();
     let plus = |x: f64| x == 0.0 && x.is_sign_positive();
     assert!(plus(report.penetration_mean_over_d));
     assert!(plus(report.penetration_max_over_d));

@@ -198,7 +198,7 @@ pub struct Ledger {
     /// Kinetic energy removed when bodies were frozen.
     pub frozen: f64,
     /// Energy exchanged so far: the sum over the steps of |change of the kinetic energy|, |work of what is driven| and |work
-    /// of external loads|.
+    /// of external loads|; over ranks, of each rank, which is more.
     pub exchanged: f64,
 }
 

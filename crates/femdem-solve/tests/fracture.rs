@@ -440,7 +440,7 @@ fn the_pieces_of_a_thrown_cube_go_on_as_bodies() {
         world.step().unwrap();
         pool.install(|| restarted.step()).unwrap();
         // Facets come to be spent at every twentieth step.
-        let before = (world.steps() % 20 == 0).then(|| world.clone());
+        let before = world.steps().is_multiple_of(20).then(|| world.clone());
         let parted = world.part_fragments().unwrap();
         let again = pool.install(|| restarted.part_fragments());
         assert_eq!(again.unwrap(), parted);

@@ -8,7 +8,7 @@ use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Translation3, UnitQuaternion};
 use femdem_mesh::{Pose, Vector3};
 use femdem_solve::{
-    Alone, BodySpec, Drive, Halo, ImplicitStep, TimeStepParameters, World, WorldParameters,
+    Alone, BodySpec, Drive, Halo, ImplicitStep, Medium, TimeStepParameters, World, WorldParameters,
 };
 
 const D: f64 = 0.05;
@@ -203,6 +203,11 @@ fn bodies_may_come_and_steps_be_implicit() {
             world.share_out(halo).unwrap();
             course(&mut world, halo);
             assert_eq!(places(&world, halo), all);
+            assert!(world.own_bodies(0).next().is_some(), "rank {}", halo.rank());
+            for id in world.rigid_ids() {
+                let number = world.number_in_whole(id).unwrap();
+                assert_eq!(world.number_here(number), Some(id));
+            }
             world.gather(halo).unwrap()
         });
         let whole = parts.into_iter().next().unwrap().unwrap();
@@ -215,6 +220,40 @@ fn bodies_may_come_and_steps_be_implicit() {
         let missing = (books[0].error() - books[1].error()).abs();
         assert!(missing < 1e-9 * books[0].exchanged, "{missing:e}");
     }
+}
+
+/// The whole that is gathered before the next step knows the fastest body, which the first rank does not have.
+#[test]
+fn parameters_may_change_before_bodies_are_gathered() {
+    let mut world = pile(false);
+    let x = |id: &u32| world.position(*id).unwrap().x;
+    let last = world.rigid_ids().max_by(|a, b| x(a).total_cmp(&x(b)));
+    let fast = Vector3::new(0.0, 0.0, 5.0);
+    world
+        .set_velocity(last.unwrap(), fast, Vector3::zeros())
+        .unwrap();
+    let change = |world: &mut World, halo: &mut dyn Halo| {
+        for _ in 0..20 {
+            world.step_on(halo).unwrap();
+        }
+        let medium = Medium {
+            local_damping: 0.2,
+            ..Medium::default()
+        };
+        world.set_medium(medium).unwrap();
+    };
+    let parts = Threads::each(2, |halo| {
+        let mut world = world.clone();
+        world.share_out(halo).unwrap();
+        let number = world.number_here(last.unwrap());
+        assert_eq!(halo.rank() == 0, number.is_none());
+        change(&mut world, halo);
+        world.gather(halo).unwrap()
+    });
+    let whole = parts.into_iter().next().unwrap().unwrap();
+    change(&mut world, &mut Alone);
+    let [found, expected] = [whole, world].map(|world| world.checksum_of_motion().unwrap());
+    assert_eq!(found, expected);
 }
 
 #[test]

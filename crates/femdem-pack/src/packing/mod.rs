@@ -207,7 +207,8 @@ impl Packing {
     /// As [`advance`](Self::advance), of a job that is [shared out](Self::share_out). All ranks call it alike.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance), and what `halo` reports.
+    /// As [`advance`](Self::advance), and what `halo` reports. Which of several bodies an error names depends on the ranks; the
+    /// others wait in vain for a rank that got one, unless the [halo](Halo) ends them.
     pub fn advance_on(&mut self, steps: u64, halo: &mut dyn Halo) -> Result<Progress, PackError> {
         for _ in 0..steps {
             match self.job.stage {
@@ -229,7 +230,7 @@ impl Packing {
         while !self.is_done() {
             self.advance(STEPS)?;
         }
-        Ok(self.report())
+        self.report()
     }
 
     /// The progress of the job.
@@ -272,7 +273,8 @@ impl Packing {
     }
 
     /// Number, from 0, of the batch or layer in which a body was added; `None` for an unknown body. Within a
-    /// batch bodies are numbered in the order of placement.
+    /// batch bodies are numbered in the order of placement; in a job that is [shared out](Self::share_out) by their numbers in the
+    /// whole.
     pub fn sequence(&self, body: BodyId) -> Option<u32> {
         if body >= self.placed() {
             return None;
@@ -281,18 +283,25 @@ impl Packing {
         u32::try_from(batches).ok()?.checked_sub(1)
     }
 
-    /// The state of the pack in numbers, of the bodies that are here. Costs a pass over them and their contacts.
-    pub fn report(&self) -> PackReport {
+    /// The state of the pack in numbers. Costs a pass over the bodies and their contacts.
+    ///
+    /// # Errors
+    /// [`PackError::Shared`] in a job that is [shared out](Self::share_out).
+    pub fn report(&self) -> Result<PackReport, PackError> {
+        if self.world.is_shared() {
+            return Err(PackError::Shared);
+        }
         let verification = self.job.verification;
         let settled = self.is_done() && verification.is_some_and(|v| v.passed);
-        PackReport::new(
+        let report = PackReport::new(
             &self.world,
             self.job.spec.diameter(),
             self.job.penalty,
             settled,
             verification,
-        )
-        .with_history(self.batch_count(), self.job.cut_short, self.job.relaxation)
+        );
+        let batches = self.batch_count();
+        Ok(report.with_history(batches, self.job.cut_short, self.job.relaxation))
     }
 
     fn placed(&self) -> u32 {

@@ -11,9 +11,9 @@ impl Packing {
     /// [`advance_on`](Self::advance_on) advances it, to the same bits as without ranks.
     ///
     /// # Errors
-    /// As [`World::share_out`](femdem_solve::World::share_out).
+    /// As [`World::share_out`](femdem_solve::World::share_out), also if the jobs differ.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
-        Ok(self.world.share_out(halo)?)
+        Ok(self.world.share_out_with(&self.job, halo)?)
     }
 
     /// The job with all bodies on the first rank, as if there were no others; the one here stays as it is.

@@ -7,9 +7,6 @@ use femdem_contact::BodyId;
 use femdem_mesh::Vector3;
 use femdem_solve::Halo;
 
-/// Bounding spheres are taken this much larger than they are, for round-off.
-const SLACK: f64 = 1.0 + 1e-9;
-
 /// A body this far (in d) above the highest start was thrown there by an error.
 const THROWN: f64 = 5.0;
 
@@ -36,20 +33,11 @@ impl Packing {
         Ok(())
     }
 
-    /// Updates the highest point of all bodies. This is one comparison for most bodies: only those whose
-    /// bounding sphere may reach higher are evaluated in full.
+    /// Updates the highest point of all bodies.
     pub(super) fn update_top(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
-        let reach = SLACK * self.job.spec.largest_diameter() / 2.0;
-        let mut top = 0.0;
-        for body in self.world.own_bodies(0) {
-            let position = self.world.position(body);
-            if position.is_some_and(|p| p.z + reach > top)
-                && let Some((_, high)) = self.world.bounds(body)
-            {
-                top = high.z.max(top);
-            }
-        }
-        [self.job.top] = largest([top], halo)?;
+        let own = self.world.own_bodies(0);
+        let tops = own.filter_map(|body| Some(self.world.bounds(body)?.1.z));
+        [self.job.top] = largest([tops.fold(0.0, f64::max)], halo)?;
         Ok(())
     }
 

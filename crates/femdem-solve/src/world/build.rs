@@ -172,7 +172,7 @@ impl World {
     /// Adds a body and returns its index: that of a [removed](Self::remove_body) body, the lowest, or else a new one.
     ///
     /// In a world that is [shared out](Self::share_out) all ranks add the same body. It is kept by its owner and those near it,
-    /// and the index is its number in the whole.
+    /// and the index is its number in the whole. Other methods take that [here](Self::number_here).
     ///
     /// # Errors
     /// [`SolveError::Ranks`] in a world that is shared out and from which bodies were removed before.

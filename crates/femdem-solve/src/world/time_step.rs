@@ -127,6 +127,11 @@ impl StepControl {
         self.see_launch(USUAL_MOVE * body.radius / body.fastest());
     }
 
+    /// Takes the shortest step of a launch of another rank; all else is alike.
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.see_launch(other.launch);
+    }
+
     /// Takes the smallest length scale of all ranks.
     pub(crate) fn share_lengths(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         halo.least(std::slice::from_mut(&mut self.thinnest))

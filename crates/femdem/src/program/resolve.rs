@@ -94,7 +94,7 @@ fn check_rest(packing: &Packing, args: &ResolveArgs) -> Result<()> {
             at.count
         );
     }
-    if !packing.report().settled {
+    if !packing.report()?.settled {
         complain(&format!(
             "the pack in {shown} did not come to rest: its bodies may end elsewhere than they are in it"
         ));

@@ -204,7 +204,7 @@ impl Summary {
     /// [`Error::Analysis`] if the pack cannot be measured (it has no bodies, for instance),
     /// [`Error::Solve`] if its state cannot be hashed.
     pub fn of(packing: &Packing, snapshot: &Snapshot, usage: &Usage) -> Result<Self, Error> {
-        let (spec, world, report) = (packing.spec(), packing.world(), packing.report());
+        let (spec, world, report) = (packing.spec(), packing.world(), packing.report()?);
         let ledger = world.ledger();
         let (shapes, images) = match &snapshot.container {
             Some(container) => snapshot.with_images(container, 0.0)?,

@@ -1,14 +1,14 @@
 //! Bodies are given to the ranks in whose boxes they are, and lent to those near them.
 
 use super::parts::{Parts, bodies_of};
-use super::{Cuts, Link, Share};
+use super::{Cuts, Link, Share, ranks};
 use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
-use crate::halo::Halo;
+use crate::halo::{Alone, Halo};
 use crate::ledger::Flows;
 use crate::world::World;
-use crate::world::time_step::LARGEST_MOVE;
+use crate::world::time_step::{LARGEST_MOVE, StepControl};
 use femdem_contact::{BodyId, PairRecord};
 use femdem_mesh::Vector3;
 use std::collections::BTreeMap;
@@ -100,7 +100,7 @@ impl World {
         };
         let mut whole = self.clone();
         let (parts, _) = whole.take_apart()?;
-        let books = (self.flows, self.initial_energy);
+        let books = (self.flows, self.initial_energy, self.step_control);
         let message = checkpoint::encode(&(parts, books))?;
         let received = halo.send(vec![(0, message)])?;
         if halo.rank() > 0 {
@@ -109,12 +109,18 @@ impl World {
         let mut all = Parts::default();
         (whole.flows, whole.initial_energy) = (Flows::default(), 0.0);
         for (_, bytes) in received {
-            let (parts, (flows, initial)): (Parts, (Flows, f64)) = checkpoint::decode(&bytes)?;
+            let (parts, (flows, initial, control)): (Parts, (Flows, f64, StepControl)) =
+                checkpoint::decode(&bytes)?;
             all.join(parts);
             whole.flows += flows;
             whole.initial_energy += initial;
+            whole.step_control.join(&control);
+        }
+        if all.members.len() != (share.total - share.vacant) as usize {
+            return Err(ranks("the ranks do not have all bodies of the whole"));
         }
         whole.put_all(share.total, all)?;
+        whole.renew_cap(&mut Alone)?;
         Ok(Some(whole))
     }
 

@@ -38,7 +38,8 @@ impl World {
             ));
         }
         let number = share.total;
-        share.total += 1;
+        let total = number.checked_add(1);
+        share.total = total.ok_or_else(|| ranks("there are no more numbers for bodies"))?;
         let owner = share.cuts.owner(&body.position);
         let near = share.cuts.near(&body.position, self.reach()(body.radius));
         let id = share.numbers.len() as BodyId;
@@ -57,6 +58,15 @@ impl World {
         share.until.push(body.travelled + self.way());
         share.holds.push(false);
         Ok(whose)
+    }
+
+    /// The number here of a body by its number in the whole; `None` if only other ranks have it.
+    pub fn number_here(&self, number: BodyId) -> Option<BodyId> {
+        let here = match &self.share {
+            Some(share) => share.numbers.binary_search(&number).ok()? as BodyId,
+            None => number,
+        };
+        self.batch.is_rigid(here).then_some(here)
     }
 
     /// How many bodies the whole has.
@@ -95,7 +105,7 @@ impl World {
             .collect();
         let message = checkpoint::encode(&own)?;
         let messages = (0..halo.size()).map(|rank| (rank, message.clone()));
-        let mut all = Vec::with_capacity(share.total as usize);
+        let mut all = Vec::new();
         for (_, bytes) in halo.send(messages.collect())? {
             let part: Vec<(BodyId, T)> = checkpoint::decode(&bytes)?;
             all.extend(part);

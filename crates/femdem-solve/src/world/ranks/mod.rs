@@ -62,12 +62,24 @@ impl World {
     /// # Errors
     /// [`SolveError::Ranks`] for what cannot be shared: deformable and driven bodies, bonds, a periodic cell; if the worlds of the ranks differ, or their programs; and what `halo` reports.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        self.share_out_with(&(), halo)
+    }
+
+    /// As [`share_out`](Self::share_out), if the ranks have also made the same of something else, which decides what they do next.
+    ///
+    /// # Errors
+    /// As [`share_out`](Self::share_out), and [`SolveError::Encoding`] if it cannot be encoded.
+    pub fn share_out_with(
+        &mut self,
+        other: &impl Serialize,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
         self.restored()?;
         self.not_shared("sharing it out again")?;
         self.can_be_shared()?;
         // The step is bounded by all bodies.
         self.renew_cap(&mut Alone)?;
-        self.agree(halo)?;
+        self.agree(other, halo)?;
         self.deal_whole(halo)
     }
 
@@ -148,9 +160,9 @@ impl World {
         Ok(())
     }
 
-    /// Checks that the ranks have the same program and the same world.
-    fn agree(&self, halo: &mut dyn Halo) -> Result<(), SolveError> {
-        let hash = crate::checkpoint::hash(self)?;
+    /// Checks that the ranks have the same program, the same world and the same of something else.
+    fn agree(&self, other: &impl Serialize, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let hash = crate::checkpoint::hash(&(self, other))?;
         let mine = [
             f64::from(crate::checkpoint::VERSION),
             f64::from(hash as u32),
@@ -163,7 +175,7 @@ impl World {
             return Ok(());
         }
         Err(ranks(
-            "the ranks have different programs or have built different worlds",
+            "the ranks have different programs, or have made different worlds or jobs: start all with the same program and input",
         ))
     }
 

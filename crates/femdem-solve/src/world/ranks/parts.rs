@@ -165,10 +165,73 @@ impl Share {
             .iter()
             .flat_map(|link| link.lent.iter().chain(&link.guests));
         let mut linked = linked.copied();
+        let places = self.total.checked_sub(self.vacant);
+        let ascending = self.numbers.windows(2).all(|pair| pair[0] < pair[1]);
+        let counted = places.is_some_and(|all| match self.cuts.ranks() {
+            1 => all as usize == bodies,
+            _ => all as usize >= bodies,
+        });
+        let fits = self.numbers.last().is_none_or(|last| *last < self.total);
         self.cuts.is_sound()
+            && counted
+            && ascending
+            && fits
             && self.rank < self.cuts.ranks()
             && lists == [bodies; 3]
             && self.links.iter().all(|link| link.rank < self.cuts.ranks())
             && linked.all(|id| (id as usize) < bodies)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Cuts;
+    use super::*;
+    use crate::body::BodySpec;
+    use crate::halo::Alone;
+    use crate::parameters::WorldParameters;
+    use femdem_mesh::Pose;
+    use femdem_mesh::catalogue::CatalogueShape;
+
+    #[test]
+    fn a_share_that_does_not_fit_is_refused() {
+        let mut world = World::new(WorldParameters::default()).unwrap();
+        let cube = "P5".parse::<CatalogueShape>().unwrap();
+        let cube = cube.polyhedron(0.1).unwrap();
+        let shape = world.add_shape("cube", &cube).unwrap();
+        let at = |x| BodySpec::at_rest(shape, 2500.0, Pose::translation(x, 0.0, 0.0));
+        for k in 0..3 {
+            world.add_body(at(f64::from(k))).unwrap();
+        }
+        world.share_out(&mut Alone).unwrap();
+        let read = |change: fn(&mut Share)| {
+            let mut world = world.clone();
+            change(world.share.as_mut().unwrap());
+            World::from_bytes(&world.to_bytes().unwrap())
+        };
+        assert!(read(|_| {}).is_ok());
+        let changes: [fn(&mut Share); 7] = [
+            |share| share.vacant = share.total + 1,
+            |share| share.vacant = 1,
+            |share| share.total = u32::MAX,
+            |share| share.total = 2,
+            |share| share.numbers.swap(0, 1),
+            |share| share.numbers[0] = 1,
+            |share| share.numbers[2] = 3,
+        ];
+        for (k, change) in changes.into_iter().enumerate() {
+            let refused = read(change).err().map(|error| error.to_string());
+            assert!(
+                refused.is_some_and(|error| error.contains("share")),
+                "change {k}"
+            );
+        }
+        let mut full = read(|share| {
+            share.cuts = Cuts::to_first(2);
+            share.total = u32::MAX;
+        })
+        .unwrap();
+        let refused = full.add_body(at(5.0)).unwrap_err().to_string();
+        assert!(refused.contains("no more numbers"), "{refused}");
     }
 }

@@ -8,7 +8,8 @@ use crate::Error;
 use crate::run::Run;
 
 impl Run {
-    /// Refuses a run whose steps need more than its world: one that is controlled, loaded or fed, or ends at rest.
+    /// Refuses a run whose steps need more than its world, one that is controlled, loaded or fed, or ends at rest, and
+    /// implicit steps, which one rank would take alone.
     /// [`World::share_out`] says what worlds cannot be shared.
     ///
     /// # Errors
@@ -16,12 +17,14 @@ impl Run {
     /// [`Error::Option`] with the entry of the scene.
     pub fn steps_elsewhere(&self) -> Result<(), Error> {
         let (scene, simulation) = (&self.scenario, &self.simulation);
+        let steps = simulation.world.parameters().time_step;
         for (name, is_there) in [
             ("control", !simulation.controls.is_empty()),
             ("load", !scene.load.is_empty()),
             ("source, gate or opening", !simulation.flow.is_empty()),
             ("rest", scene.rest.is_some()),
             ("relax", scene.relax.is_some()),
+            ("implicit steps", steps.implicit.is_some()),
         ] {
             if is_there {
                 return Err(Error::Option {
