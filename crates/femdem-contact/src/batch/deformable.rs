@@ -107,7 +107,7 @@ impl ContactBatch {
     /// keeps the number of the body, and the number of its shape, which no other body may have; the others get the next free
     /// ones, and new shapes. All are awake, touch themselves if the body did, and have its material and
     /// its stiffness over depth, but no [frequency](Self::set_frequency). Friction goes on where skin and partner stay, also between parts
-    /// that touched each other as parts of one body.
+    /// that touched each other as parts of one body: where springs are on the skin of both, on that with more of them.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if there is no such deformable body, if another body has its shape, and unless each tetrahedron of its mesh is

@@ -7,7 +7,7 @@ use femdem_mesh::tet::{FACES, Split};
 
 impl Boundary {
     /// Follows the nodes of a body that have been split, in the order of the splits: what is prescribed for a node holds for the
-    /// new one too, and loads stay on the faces on which they were. `tets` are the nodes of the elements now, and `points`
+    /// new one too, and loads stay on the faces on which they were, if their elements are there. `tets` are the nodes of the elements now, and `points`
     /// says by node which point of the mesh without cracks it was.
     pub fn follow(&mut self, splits: &[Split], tets: &[[u32; 4]], points: &[u32]) {
         for split in splits {
@@ -44,23 +44,29 @@ impl Boundary {
             .map(|face| (key(face), face))
             .collect();
         faces.sort_unstable();
-        for face in self.loads.iter_mut().flat_map(|load| &mut load.faces) {
+        let stays = |face: &mut Vec<u32>| {
             let Ok(nodes) = <[u32; 3]>::try_from(face.as_slice()) else {
-                continue;
+                return true;
             };
             let at = faces.partition_point(|(other, _)| *other < key(nodes));
-            if let Some((_, found)) = faces.get(at).filter(|(other, _)| *other == key(nodes)) {
-                // In the order in which the face was given.
-                let same = |node: u32| {
-                    let is_same =
-                        |other: &u32| points.get(*other as usize) == points.get(node as usize);
-                    found.iter().copied().find(is_same)
-                };
-                for node in face {
-                    *node = same(*node).unwrap_or(*node);
-                }
+            let Some((_, found)) = faces.get(at).filter(|(other, _)| *other == key(nodes)) else {
+                return false;
+            };
+            // In the order in which the face was given.
+            let same = |node: u32| {
+                let is_same =
+                    |other: &u32| points.get(*other as usize) == points.get(node as usize);
+                found.iter().copied().find(is_same)
+            };
+            for node in face {
+                *node = same(*node).unwrap_or(*node);
             }
+            true
+        };
+        for load in &mut self.loads {
+            load.faces.retain_mut(stays);
         }
+        self.loads.retain(|load| !load.faces.is_empty());
     }
 
     /// Those of the conditions that are on a part of the body, which has broken off: `number` gives the nodes of the part their numbers

@@ -95,3 +95,49 @@ fn parts_have_what_they_had() {
         assert!(whole.part(&tets[1..], model.mesh().clone()).is_err());
     }
 }
+
+/// The pressure on a face is on the part that has its element, also where another part has all its corners.
+#[test]
+fn pressure_goes_with_the_element() {
+    let mesh = TetMesh::block([2; 3], &Vector3::repeat(2.0)).unwrap();
+    let region = || MaterialRegion {
+        material: J2::new(1e9, 0.3, 1e6, 1e7).unwrap().into(),
+        density: 1000.0,
+    };
+    let model =
+        |mesh: &TetMesh| DeformableModel::new(mesh, Element::T4, vec![region()], None).unwrap();
+    let whole = model(&mesh);
+    let mut boundary = Boundary::default();
+    for offset in [0.0, 2.0] {
+        boundary.press(&whole, &plane(offset), 1e5).unwrap();
+    }
+    let forces = |model: &DeformableModel, boundary: &Boundary| {
+        let mut forces = vec![Vector3::zeros(); model.nodes().len()];
+        let x = model.nodes();
+        boundary.add_forces(model, 0.0, x, &mut forces).unwrap();
+        forces
+    };
+    let mut left = forces(&whole, &boundary);
+    let on_skin = |tet: &[u32; 4]| {
+        let x = tet.map(|i| mesh.points()[i as usize].x);
+        x.iter().filter(|x| **x == 0.0).count() == 3
+    };
+    let (one, rest): (Vec<_>, Vec<_>) = (mesh.tets().iter().enumerate())
+        .partition(|(i, _)| mesh.tets().iter().position(on_skin) == Some(*i));
+    for tets in [one, rest] {
+        let mut points: Vec<u32> = tets.iter().flat_map(|(_, tet)| **tet).collect();
+        points.sort_unstable();
+        points.dedup();
+        let number = |point: u32| points.binary_search(&point).ok().map(|i| i as u32);
+        let own = |(_, tet): &(usize, &[u32; 4])| tet.map(|i| number(i).unwrap());
+        let tets: Vec<[u32; 4]> = tets.iter().map(own).collect();
+        let places = points.iter().map(|i| mesh.points()[*i as usize]);
+        let part = model(&TetMesh::new(places.collect(), tets).unwrap());
+        let mut conditions = boundary.part(number);
+        conditions.follow(&[], part.mesh().tets(), &points);
+        for (force, point) in forces(&part, &conditions).iter().zip(&points) {
+            left[*point as usize] -= force;
+        }
+    }
+    assert!(left.iter().all(|force| force.norm() < 1e-6), "{left:?}");
+}

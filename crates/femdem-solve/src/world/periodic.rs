@@ -32,6 +32,14 @@ pub(super) fn check_rests(cell: &PeriodicCell) -> Result<(), SolveError> {
     )
 }
 
+/// The pieces of a body that may break may drift apart by more than a cell.
+pub(super) fn apart() -> SolveError {
+    SolveError::CannotBreak {
+        needs: "space that does not repeat itself",
+        found: "a periodic cell".to_owned(),
+    }
+}
+
 impl World {
     /// Makes space periodic, or changes the cell by hand. Bodies keep their places and velocities, whatever the cell does:
     /// to deform what lies in it use [`deform_cell`](Self::deform_cell). The energy that contacts gain is in
@@ -40,11 +48,14 @@ impl World {
     /// # Errors
     /// [`SolveError::Contact`] if there are bodies and space does not repeat itself along the same axes already, or if the cell
     /// measures less than 2.25 diameters of the largest body along one of its axes, or walls do not repeat themselves. Later steps
-    /// refuse that, too.
+    /// refuse that, too. [`SolveError::CannotBreak`] if a body may break.
     pub fn set_cell(&mut self, cell: PeriodicCell) -> Result<(), SolveError> {
         self.restored()?;
         if self.body_count() == 0 {
             return Ok(self.batch.set_cell(cell)?);
+        }
+        if self.deformables().any(|body| body.cracks().is_some()) {
+            return Err(apart());
         }
         self.evaluate_if_due()?;
         self.wake_all();

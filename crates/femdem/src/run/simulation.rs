@@ -97,6 +97,16 @@ impl TryFrom<Stored> for Simulation {
             origin,
         } = stored;
         world.restore()?;
+        for (member, number) in members.iter().zip(0..) {
+            let is_whole = |first: u32| first < number && members[first as usize].of.is_none();
+            if let Some(first) = member.of.filter(|first| !is_whole(*first)) {
+                return Err(SolveError::NoSuch {
+                    what: "body that fragments broke off",
+                    index: first as usize,
+                    count: number as usize,
+                });
+            }
+        }
         Ok(Self {
             world,
             members,

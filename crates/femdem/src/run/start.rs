@@ -114,20 +114,19 @@ impl Simulation {
     /// Name of the first body or wall that is not the same in another simulation of equal entries: files can change.
     fn first_other<'a>(&'a self, other: &'a Self) -> Option<&'a str> {
         // With its fragments. Cracks make more nodes, but no tetrahedra.
-        let size = |of: &Self, number: usize| {
-            let whole = of.members[number].id;
-            let own = of.members.iter();
-            let own = own.filter(|m| m.id == whole || m.of == Some(number as u32));
-            own.map(|member| {
+        let sizes = |of: &Self| {
+            let mut sizes = vec![Some((0.0, 0)); of.members.len()];
+            for (number, member) in of.members.iter().enumerate() {
                 let body = of.world.deformable(member.id);
                 let tets = body.map_or(0, |body| body.model().volumes().len());
-                of.world.mass(member.id).map(|mass| (mass, tets))
-            })
-            .try_fold((0.0, 0), |(mass, tets), own| {
-                own.map(|(m, n)| (mass + m, tets + n))
-            })
+                let size = &mut sizes[member.of.map_or(number, |first| first as usize)];
+                let both = size.zip(of.world.mass(member.id));
+                *size = both.map(|((mass, n), own)| (mass + own, n + tets));
+            }
+            sizes
         };
-        let same = |i: usize| match (size(self, i), size(other, i)) {
+        let [own, others] = [self, other].map(sizes);
+        let same = |i: usize| match (own[i], others[i]) {
             // It has left.
             _ if other.members[i].id == Member::GONE => true,
             (Some((a, n)), Some((b, m))) => n == m && (a - b).abs() <= SAME * a.abs(),

@@ -119,7 +119,7 @@ impl DeformablePart {
                 let second = parts[1].map_or(second, |part| ids[part]);
                 let mut new = SoftPair::between(first, second);
                 new.outcome.bristles = bristles;
-                // All springs of two parts are on the skin of one of them: that which has more.
+                // Springs of two bodies are on the skin of one of them: that which has more. The others end.
                 let count = |pair: &SoftPair| pair.outcome.bristles.len();
                 if found
                     .get(&new.key())

@@ -7,6 +7,7 @@ use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::world::World;
 use crate::world::build::{meets_deformables, place};
+use crate::world::periodic::apart;
 use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::DeformableShape;
@@ -106,12 +107,8 @@ impl World {
             .map_err(|failure| SolveError::from(failure).in_body(body, step, time))?;
         if let Some(fracture) = &spec.fracture {
             model.may_break(fracture)?;
-            // Its pieces may drift apart by more than a cell.
             if self.cell().is_some() {
-                return Err(SolveError::CannotBreak {
-                    needs: "space that does not repeat itself",
-                    found: "a periodic cell".to_owned(),
-                });
+                return Err(apart());
             }
         }
         let masses = model.model.masses();

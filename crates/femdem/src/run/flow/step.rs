@@ -152,23 +152,25 @@ impl Simulation {
         let name = format!("{} {}", supply.name, self.members.len());
         let mass = supply.mass;
         self.flow.supplies[k].come.add(1, mass);
-        self.join(Member {
+        let member = Member {
             name,
             id,
             placed: pose,
             of: None,
-        });
+        };
+        self.join(member, None);
         Ok(())
     }
 
-    /// Adds a member that has come in the run.
-    fn join(&mut self, member: Member) {
+    /// Adds a member that has come in the run, or has broken off another, beyond the gates that this one is known to have passed.
+    fn join(&mut self, member: Member, whole: Option<usize>) {
         let x = self.world.position(member.id).unwrap_or_default();
         for gate in &mut self.flow.gates {
-            let is_beyond = gate.is_beyond(&x);
+            let known = whole.and_then(|whole| gate.beyond.get(whole).copied());
+            let is_beyond = known.unwrap_or_else(|| gate.is_beyond(&x));
             gate.beyond.push(is_beyond);
         }
-        self.loads.add_member(&member.name);
+        self.loads.add_member(&member);
         self.members.push(member);
     }
 
@@ -188,7 +190,7 @@ impl Simulation {
                     placed: *placed,
                     of: Some(first),
                 };
-                self.join(member);
+                self.join(member, Some(whole));
             }
         }
         Ok(())

@@ -29,7 +29,7 @@ impl Simulation {
             add().map_err(in_entry(format!("load {number}")))?;
         }
         for member in &self.members {
-            loads.add_member(&member.name);
+            loads.add_member(member);
         }
         self.loads = loads;
         self.load_bodies(self.world.time())
@@ -38,7 +38,9 @@ impl Simulation {
     /// Refuses names of no bodies.
     fn check_loaded(&self, given: &[String]) -> Result<(), Error> {
         let mut known: BTreeSet<&str> = BTreeSet::new();
-        known.extend(self.members.iter().map(|member| member.name.as_str()));
+        // A fragment bears what is on the body that broke.
+        let wholes = self.members.iter().filter(|member| member.of.is_none());
+        known.extend(wholes.map(|member| member.name.as_str()));
         known.extend(self.flow.supplies.iter().map(|supply| supply.name.as_str()));
         for name in given {
             if !known.iter().any(|member| names(name, member)) {
@@ -66,8 +68,7 @@ impl Simulation {
         if self.loads.loads.is_empty() {
             return Ok(());
         }
-        let members = self.members.iter().map(|member| member.id);
-        let applied = self.loads.apply(members, &mut self.world, time);
+        let applied = self.loads.apply(&self.members, &mut self.world, time);
         applied.map_err(|error| error.by_keys(&KEYS))
     }
 

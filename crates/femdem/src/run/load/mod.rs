@@ -2,12 +2,15 @@
 
 mod begin;
 
+use std::collections::BTreeMap;
+
 use femdem_contact::{BodyId, Wrench};
 use femdem_fem::Curve;
 use femdem_mesh::{Point3, Vector3};
 use femdem_solve::{AppliedLoad, World};
 use serde::{Deserialize, Serialize};
 
+use super::Member;
 use crate::Error;
 use crate::error::wrong;
 
@@ -17,7 +20,7 @@ use crate::error::wrong;
 pub struct LoadEntry {
     /// Names of bodies, or of entries whose copies are meant. Empty: all bodies.
     pub bodies: Vec<String>,
-    /// Force on each body \[N\].
+    /// Force on each body \[N\], of which its fragments bear as much as they have of its mass.
     pub force: Option<[f64; 3]>,
     /// Torque on each rigid body \[N m\].
     pub torque: Option<[f64; 3]>,
@@ -157,8 +160,9 @@ impl OnBodies {
         self.names.is_empty() || self.names.iter().any(|name| names(name, member))
     }
 
-    /// The load at a factor of 1; `None` for a body that has left.
-    fn on(&self, id: BodyId, world: &World) -> Result<Option<AppliedLoad>, Error> {
+    /// The load at a factor of 1 on a body that has a share of the mass of the whole of which it is a fragment; `None` for a body that
+    /// has left.
+    fn on(&self, id: BodyId, share: f64, world: &World) -> Result<Option<AppliedLoad>, Error> {
         let Some(mass) = world.mass(id) else {
             return Ok(None);
         };
@@ -174,7 +178,11 @@ impl OnBodies {
                     "a force or an acceleration in world axes; give others by its boundary",
                 ));
             }
-            let scale = if self.kind == Kind::Force { 1.0 } else { mass };
+            let scale = if self.kind == Kind::Force {
+                share
+            } else {
+                mass
+            };
             return Ok(Some(force(self.vector * scale).into()));
         };
         let scale = match self.kind {
@@ -218,28 +226,45 @@ fn torque(torque: Vector3) -> Wrench {
 }
 
 impl BodyLoads {
-    /// Notes a new member.
-    pub(super) fn add_member(&mut self, name: &str) {
-        let on = (0..).zip(&self.loads).filter(|(_, load)| load.is_on(name));
-        self.of_members.push(on.map(|(number, _)| number).collect());
+    /// Notes a new member. A fragment has the loads of the body that broke.
+    pub(super) fn add_member(&mut self, member: &Member) {
+        let whole = member.of.and_then(|of| self.of_members.get(of as usize));
+        let on = whole.cloned().unwrap_or_else(|| {
+            let loads = (0..).zip(&self.loads);
+            let on = loads.filter(|(_, load)| load.is_on(&member.name));
+            on.map(|(number, _)| number).collect()
+        });
+        self.of_members.push(on);
         self.acting = None;
     }
 
     /// Loads the members of a world with the loads at a time \[s\].
-    fn apply(
-        &mut self,
-        members: impl Iterator<Item = BodyId>,
-        world: &mut World,
-        time: f64,
-    ) -> Result<(), Error> {
+    fn apply(&mut self, members: &[Member], world: &mut World, time: f64) -> Result<(), Error> {
         let factors: Vec<f64> = self.loads.iter().map(|load| load.factor.at(time)).collect();
         if self.acting.as_ref() == Some(&factors) {
             return Ok(());
         }
-        for (id, numbers) in members.zip(&self.of_members) {
+        // Of bodies that have fragments, with these, by number, kg.
+        let mut masses = BTreeMap::new();
+        for member in members {
+            if let Some(first) = member.of {
+                let mass = |member: &Member| world.mass(member.id).unwrap_or(0.0);
+                let whole = masses
+                    .entry(first)
+                    .or_insert_with(|| members.get(first as usize).map_or(0.0, mass));
+                *whole += mass(member);
+            }
+        }
+        let each = (0..).zip(members).zip(&self.of_members);
+        for ((number, member), numbers) in each {
+            let id = member.id;
+            let whole = masses.get(&member.of.unwrap_or(number));
+            let share = whole
+                .zip(world.mass(id))
+                .map_or(1.0, |(all, own)| own / all);
             let mut sum = AppliedLoad::default();
             for &number in numbers {
-                let load = self.loads[number as usize].on(id, world)?;
+                let load = self.loads[number as usize].on(id, share, world)?;
                 let Some(load) = load else { continue };
                 sum = sum + load * factors[number as usize];
             }

@@ -204,6 +204,7 @@ impl State {
         // Nodes that are points come first.
         let next = model.cracked(cracks.mesh.mesh(model.mesh().points())?)?;
         self.split(&next, &found, cracks)?;
+        cracks.loosened = true;
         cracks.open(&self.positions, &stresses, &fracture.strength, factors);
         cracks.stiffen(self.positions.len());
         Ok(Some(next))

@@ -22,7 +22,7 @@ pub(crate) struct CrackState {
     pub broken: CrackedMesh,
     /// In the order of their births.
     pub joints: Vec<Joint>,
-    /// Whether some have come to be spent since its parts were last looked for.
+    /// Whether some have come to be spent, or nodes have been split, since its parts were last looked for.
     pub loosened: bool,
     /// Stored in the joints at the present positions, J.
     pub stored: f64,

@@ -43,49 +43,58 @@ struct Fragment {
 impl World {
     /// Makes bodies of the fragments of the bodies that have broken, if their [`Fracture`](crate::Fracture) says so: of what facets that
     /// are whole, or not yet [spent](crate::Cracks::spent), hold together. The largest keeps the number of the body; the
-    /// others take the next free ones. Mass, momentum, stresses, cracks and strengths are as they were, conditions
-    /// follow their nodes, and friction goes on where the skin stays. A host may ask after every step: nothing happens before
-    /// facets have come to be spent.
+    /// others take the next free ones. A body that may not [touch itself](Self::set_self_contact) stays one: its parts may lie in each
+    /// other. Mass, momentum, stresses, cracks and strengths are as they were, conditions
+    /// follow their nodes, and friction goes on where the skin stays. A host may ask after every step: nothing happens unless
+    /// facets have come to be spent, or nodes have been split.
     ///
     /// # Errors
-    /// [`SolveError::Contact`], [`SolveError::Fem`] and [`SolveError::Mesh`] where fragments are no sound bodies.
+    /// [`SolveError::Contact`], [`SolveError::Fem`] and [`SolveError::Mesh`] where fragments are no sound bodies: no body has fallen into
+    /// parts then.
     pub fn part_fragments(&mut self) -> Result<Vec<Parting>, SolveError> {
         self.restored()?;
-        let mut partings = Vec::new();
-        let mut before = 0.0;
+        let mut broken = Vec::new();
         for id in self.deformable_ids().collect::<Vec<_>>() {
-            let Some(parts) = self.parts_of(id) else {
-                continue;
-            };
-            if partings.is_empty() {
-                self.evaluate_if_due()?;
-                before = self.stored_in_soft_contacts();
-            }
-            let (time, steps) = (self.time, self.steps);
-            let parting = self.part(id, parts);
-            partings.push(parting.map_err(|error| error.in_body(id as usize, steps, time))?);
+            broken.extend(self.parts_of(id).map(|parts| (id, parts)));
         }
-        if !partings.is_empty() {
-            self.meet_deformables(0.0)?;
-            self.flows.cracks.released += before - self.stored_in_soft_contacts();
+        if broken.is_empty() {
+            return Ok(Vec::new());
         }
+        self.evaluate_if_due()?;
+        let before = self.stored_in_soft_contacts();
+        let (time, steps) = (self.time, self.steps);
+        let in_body = |id| move |error: SolveError| error.in_body(id as usize, steps, time);
+        // All of them before anything changes.
+        let mut fallen = Vec::new();
+        for (id, parts) in broken {
+            fallen.push((id, self.fragments_of(id, parts).map_err(in_body(id))?));
+        }
+        self.book_cracks();
+        let mut partings = Vec::new();
+        for (id, fragments) in fallen {
+            partings.push(self.part(id, fragments).map_err(in_body(id))?);
+        }
+        self.meet_deformables(0.0)?;
+        self.flows.cracks.released += before - self.stored_in_soft_contacts();
         Ok(partings)
     }
 
-    /// The tetrahedra of the fragments of a body, the largest first; `None` for a body that is one. They are looked for once
-    /// after facets have come to be spent.
+    /// The tetrahedra of the fragments of a body, the largest first; `None` for a body that is one, or has to stay it. They are looked
+    /// for once after facets have come to be spent or nodes have been split.
     fn parts_of(&mut self, id: BodyId) -> Option<Vec<Vec<u32>>> {
+        let may_touch_itself = self.batch.self_contact(id);
         let (model, state) = self.deformables.as_deref_mut()?.parts(id);
         let breakable = state.breakable.as_deref_mut()?;
         let cracks = breakable.cracks.as_deref_mut()?;
-        if breakable.fracture.fragments == Fragments::Pieces || !cracks.loosened {
+        let may_part = breakable.fracture.fragments == Fragments::Bodies && may_touch_itself;
+        if !may_part || !cracks.loosened {
             return None;
         }
-        cracks.loosened = false;
         let joined: Vec<u32> = cracks.joints.iter().map(|joint| joint.facet).collect();
         let parts = cracks.mesh.hanging(&joined);
         let count = parts.iter().max().map_or(0, |last| *last as usize + 1);
         if count < 2 {
+            cracks.loosened = false;
             return None;
         }
         let mut tets = vec![Vec::new(); count];
@@ -100,9 +109,22 @@ impl World {
         Some(tets)
     }
 
-    /// Makes bodies of the parts of a body; the first keeps its number.
-    fn part(&mut self, id: BodyId, parts: Vec<Vec<u32>>) -> Result<Parting, SolveError> {
-        self.book_cracks();
+    /// The fragments of a body.
+    fn fragments_of(
+        &mut self,
+        id: BodyId,
+        parts: Vec<Vec<u32>>,
+    ) -> Result<Vec<Fragment>, SolveError> {
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(Vec::new());
+        };
+        let (model, state) = deformables.parts(id);
+        let parts = parts.into_iter();
+        parts.map(|tets| state.fragment(model, tets)).collect()
+    }
+
+    /// Makes bodies of the fragments of a body; the first keeps its number.
+    fn part(&mut self, id: BodyId, fragments: Vec<Fragment>) -> Result<Parting, SolveError> {
         let none = Parting {
             body: id,
             fragments: Vec::new(),
@@ -110,11 +132,7 @@ impl World {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(none);
         };
-        let (model, state) = deformables.parts(id);
-        let parts = parts.into_iter();
-        let fragments = parts.map(|tets| state.fragment(model, tets));
-        let fragments = fragments.collect::<Result<Vec<_>, _>>()?;
-        let own = state.model;
+        let own = deformables.bodies[id as usize].model;
         let fallen = fragments.iter().map(|fragment| FallenPart {
             shape: Arc::clone(&fragment.shape),
             tets: fragment.tets.clone(),
