@@ -1,7 +1,5 @@
 //! Closed surfaces of periodic packs: equal on opposite sides.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
-
 use crate::common::pores::{cuboid, region, space};
 use crate::common::{Random, at, solid, turned_lattice};
 use femdem_analysis::pores::*;

@@ -1,7 +1,5 @@
 //! The void space of a pack against exact answers.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
-
 use std::f64::consts::PI;
 
 use crate::common::pores::{ball, cuboid, region, sampled};
