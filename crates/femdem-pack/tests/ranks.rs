@@ -34,7 +34,7 @@ fn mixed(count: u32) -> PackSpec {
 
 /// Bodies that are not convex, in a box whose ends know nothing of each other.
 fn wide(count: u32) -> PackSpec {
-    let ring: Shape = "hollow_cylinder:sides=8,aspect=0.5".parse().unwrap();
+    let ring: Shape = "hollow_cylinder:sides=6,aspect=0.5".parse().unwrap();
     let ring = ring.polyhedron(D).unwrap();
     let (ring, _) = PackShape::of_surface("ring", ring, &MeshOptions::default()).unwrap();
     PackSpec {
@@ -47,13 +47,13 @@ fn wide(count: u32) -> PackSpec {
     }
 }
 
-/// A job that ranks share and finish, as the first one has it; and whether that was ever without some of the bodies.
-fn shared(packing: &Packing, size: usize) -> (Packing, bool) {
+/// A job that ranks share up to some point, as the first one has it; and whether that was ever without some of the bodies.
+fn shared(packing: &Packing, size: usize, ends: fn(&Packing) -> bool) -> (Packing, bool) {
     let all = Threads::each(size, |halo| {
         let mut packing = packing.clone();
         packing.share_out(halo).unwrap();
         let mut lacks = false;
-        while !packing.is_done() {
+        while !ends(&packing) {
             packing.advance_on(100, halo).unwrap();
             let world = packing.world();
             lacks |= world.body_count() < world.count_in_whole();
@@ -64,7 +64,7 @@ fn shared(packing: &Packing, size: usize) -> (Packing, bool) {
 }
 
 fn over_ranks(packing: &Packing, size: usize) -> Packing {
-    shared(packing, size).0
+    shared(packing, size, Packing::is_done).0
 }
 
 fn assert_same(whole: &Packing, other: &Packing, what: &str) {
@@ -76,14 +76,12 @@ fn assert_same(whole: &Packing, other: &Packing, what: &str) {
 
 #[test]
 fn ranks_make_the_same_pack() {
-    let start = Packing::new(mixed(40)).unwrap();
+    let start = Packing::new(mixed(26)).unwrap();
     let mut whole = start.clone();
     let report = whole.run().unwrap();
     assert!(report.settled && report.relaxation.is_some(), "{report:?}");
-    assert!(report.batches > 3, "{report:?}");
-    for size in [2, 3] {
-        assert_same(&whole, &over_ranks(&start, size), &format!("{size} ranks"));
-    }
+    assert!(report.batches > 2, "{report:?}");
+    assert_same(&whole, &over_ranks(&start, 3), "3 ranks");
 }
 
 /// Poured and awake, where no step is implicit; under local damping, whose relaxations are explicit; and all at once, with
@@ -126,11 +124,15 @@ fn ranks_make_the_same_pack_in_other_ways() {
 
 #[test]
 fn ranks_that_know_a_part_make_the_same_pack() {
+    // The second batch starts above the top of the first.
+    let ends = |packing: &Packing| packing.progress().batches == 2 || packing.is_done();
     let start = Packing::new(wide(14)).unwrap();
     let mut whole = start.clone();
-    whole.run().unwrap();
-    let (other, lacks) = shared(&start, 2);
-    assert!(lacks);
+    while !ends(&whole) {
+        whole.advance(100).unwrap();
+    }
+    let (other, lacks) = shared(&start, 2, ends);
+    assert!(lacks && !whole.is_done());
     assert_same(&whole, &other, "wide");
 }
 
