@@ -4,8 +4,9 @@
 
 use crate::common::{code, femdem, run, stdout};
 use femdem::Usage;
+use femdem::mesh::Vector3;
 use femdem::picture::PictureOptions;
-use femdem::run::{Run, Scenario};
+use femdem::run::{Run, Scenario, Simulation};
 use std::fs;
 use std::path::Path;
 use tempfile::tempdir;
@@ -376,6 +377,75 @@ fn fragments_of_a_bar_are_bodies_of_the_run() {
         .map(|b| b.boundary().held().count())
         .sum();
     assert!(held >= 2 * 9 * 3, "{held}");
+}
+
+/// Fragments bear a force on the bar by mass, as long as it acts, and take what they weigh past a gauge.
+#[test]
+fn fragments_bear_what_is_on_the_bar() {
+    let folder = tempdir().unwrap();
+    let path = folder.path();
+    let text = bar("duration = 1e-4", "duration = 1.6e-4");
+    let loads = "[[load]]
+        bodies = [\"bar\"]
+        force = [30, 0, 0]
+        table = [[1.2e-4, 1], [1.3e-4, 0]]
+        [[load]]
+        force = [0, 6, 0]";
+    let gauge = "[[gauge]]
+        name = \"low\"
+        plane = { normal = [0, 0, 1], offset = -0.005 }";
+    let scene = Scenario::from_toml(&format!("{text}{loads}\n{gauge}")).unwrap();
+    let mut job = Run::new(scene).unwrap();
+    let check = |job: &Run, wanted: [f64; 3]| {
+        let Simulation { members, world, .. } = job.simulation();
+        let mass: f64 = members.iter().map(|m| world.mass(m.id).unwrap()).sum();
+        for member in members {
+            let found = world.applied_load(member.id).unwrap().force;
+            let share = world.mass(member.id).unwrap() / mass;
+            let wanted = Vector3::from(wanted) * share;
+            assert!((found - wanted).norm() < 1e-9, "{found} {wanted}");
+        }
+    };
+    while job.simulation().members.len() == 1 {
+        job.advance(path, 1).unwrap();
+    }
+    job.advance(path, 1).unwrap();
+    assert!(job.simulation().world.time() < 1.2e-4);
+    check(&job, [30.0, 6.0, 0.0]);
+    job.advance(path, u64::MAX).unwrap();
+    check(&job, [0.0, 6.0, 0.0]);
+    job.finish(path, &Usage::default()).unwrap();
+    let Simulation { members, world, .. } = job.simulation();
+    let beyond = members.iter().map(|member| member.id);
+    let beyond = beyond.filter(|id| world.position(*id).unwrap().z < -0.005);
+    let beyond: f64 = beyond.map(|id| world.mass(id).unwrap()).sum();
+    let flow = fs::read_to_string(path.join("flow.csv")).unwrap();
+    let passed = flow.lines().last().unwrap().split(',').nth(3).unwrap();
+    let passed: f64 = passed.parse().unwrap();
+    assert!(
+        beyond > 0.0 && (passed / beyond - 1.0).abs() < 1e-6,
+        "{passed} {beyond}"
+    );
+    job.save(path, &Usage::default()).unwrap();
+    // Another run without the loads.
+    let from = format!("from = \"{}\"\n{text}{gauge}", path.display());
+    let next = Run::new(Scenario::from_toml(&from).unwrap()).unwrap();
+    assert!(next.simulation().members.len() > 1);
+    check(&next, [0.0; 3]);
+}
+
+/// A bar that may not touch itself stays one body.
+#[test]
+fn a_bar_that_may_not_touch_itself_breaks_into_pieces() {
+    let folder = tempdir().unwrap();
+    let text = bar(
+        "behaviour = \"breakable\"",
+        "behaviour = \"breakable\"\nself-contact = false",
+    );
+    let mut job = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+    job.advance(folder.path(), u64::MAX).unwrap();
+    assert!(job.simulation().fracture_summary().unwrap().fragments > 1);
+    assert_eq!(job.simulation().members.len(), 1);
 }
 
 #[test]
