@@ -206,6 +206,11 @@ fn before_it_cracks_a_body_has_the_same_bits() {
 
 /// A cube that falls on its edge, fast enough to break.
 fn dropped() -> World {
+    dropped_of(4)
+}
+
+/// The same with cells of a number along each edge.
+fn dropped_of(cells: u32) -> World {
     let mut world = still();
     world
         .add_wall(
@@ -216,7 +221,7 @@ fn dropped() -> World {
     let id = world
         .add_model(
             "cube",
-            model(&shaken([4; 3], &Vector3::repeat(0.02))),
+            model(&shaken([cells; 3], &Vector3::repeat(0.02))),
             ContactStiffness::default(),
         )
         .unwrap();
@@ -457,14 +462,14 @@ fn a_body_that_may_not_touch_itself_stays_one() {
 /// threads; at each of them nothing is lost or gained.
 #[test]
 fn the_pieces_of_a_thrown_cube_go_on_as_bodies() {
-    let mut world = dropped();
-    let mut restarted = dropped();
+    let mut world = dropped_of(3);
+    let mut restarted = dropped_of(3);
     let mut partings = 0;
     let mut last = 0;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
     let pool = pool.unwrap();
-    // Some steps beyond the third time.
-    while partings < 3 || world.steps() < last + 200 {
+    // Some steps beyond the second time.
+    while partings < 2 || world.steps() < last + 60 {
         assert!(world.steps() < 3000, "{partings}");
         world.step().unwrap();
         pool.install(|| restarted.step()).unwrap();
@@ -482,12 +487,7 @@ fn the_pieces_of_a_thrown_cube_go_on_as_bodies() {
         }
     }
     let ledger = world.ledger();
-    println!(
-        "bodies {} at step {last}, error {:.1e}",
-        world.deformable_count(),
-        ledger.error_relative()
-    );
-    assert!(world.deformable_count() > 3);
+    assert!(world.deformable_count() > 2);
     assert!(ledger.error_relative().abs() < 2e-3, "{ledger:?}");
     assert_eq!(world.to_bytes().unwrap(), restarted.to_bytes().unwrap());
 }

@@ -62,6 +62,7 @@ mod load;
 mod loads;
 mod material;
 mod meets;
+mod member;
 mod motion;
 mod names;
 mod of_pack;
@@ -114,6 +115,7 @@ pub use hopper::HopperEntry;
 pub use job::Run;
 pub use load::{Axes, BodyLoads, LoadEntry};
 pub use material::{Law, MaterialEntry};
+pub use member::Member;
 pub use motion::MotionEntry;
 pub use origin::Origin;
 pub use overlap::Overlap;
@@ -126,7 +128,7 @@ pub use rotation::RotationEntry;
 pub use saved::RUN_CHECKPOINT;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
-pub use simulation::{Member, NamedWall, Penalty, Simulation, Support};
+pub use simulation::{NamedWall, Penalty, Simulation, Support};
 pub use stages::Stage;
 pub use summary::{
     BodySummary, PenetrationSummary, RUN_SCHEMA, ReactionSummary, RunEnergy, RunSummary,
