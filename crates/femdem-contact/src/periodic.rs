@@ -1,5 +1,6 @@
 //! Periodic space as a batch sees it.
 
+use crate::error::{ContactError, check};
 use crate::motion::Motion;
 use femdem_mesh::{PeriodicCell, Vector3};
 use serde::{Deserialize, Serialize};
@@ -32,6 +33,22 @@ impl Space {
         let change = moved * self.cell.inverse_edges();
         self.strain += change.norm();
         self.cell = cell;
+    }
+
+    /// Refuses a cell in which a body of `diameter` (m) could meet another one on two sides. `what` is the ratio in words.
+    pub fn check_fits(&self, what: &'static str, diameter: f64) -> Result<(), ContactError> {
+        let edges = self.cell.edges();
+        let axes = (0..3).filter(|&axis| self.cell.repeats(axis) && diameter > 0.0);
+        for axis in axes {
+            let side = edges[(axis, axis)];
+            check(
+                what,
+                side / diameter,
+                side >= PeriodicCell::LEAST_DIAMETERS * diameter,
+                "at least 2.25, so that no body meets another one on two sides",
+            )?;
+        }
+        Ok(())
     }
 
     /// How far the edges that lead to an image have carried it at most, m.

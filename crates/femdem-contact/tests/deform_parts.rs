@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::Stream;
-use femdem_contact::deform::{DeformableShape, FallenPart, Modulus, NodalState};
+use femdem_contact::deform::{DeformableShape, FragmentShape, Modulus, NodalState};
 use femdem_contact::{
     BodyId, ContactBatch, ContactLaw, ContactParameters, Frame, Motion, Partner, Wall,
 };
@@ -104,7 +104,7 @@ fn parts_press_and_hold_on_as_before() {
         assert!(before.energies.iter().all(|energy| *energy > 0.0));
 
         let mut nodes = Vec::new();
-        let parts: Vec<FallenPart> = order
+        let parts: Vec<FragmentShape> = order
             .iter()
             .map(|number| {
                 let own = (0_u32..).zip(&hanging).filter(|(_, part)| *part == number);
@@ -115,7 +115,7 @@ fn parts_press_and_hold_on_as_before() {
                 let own = TetMesh::new(points, part.mesh.tets().to_vec()).unwrap();
                 nodes.push(part.nodes);
                 let shape = DeformableShape::cracked(&own, edge).unwrap();
-                FallenPart {
+                FragmentShape {
                     shape: shape.into(),
                     tets,
                 }
@@ -123,8 +123,8 @@ fn parts_press_and_hold_on_as_before() {
             .collect();
         let mut wrong = parts.clone();
         wrong.pop();
-        assert!(batch.part_deformable(body, wrong).is_err());
-        assert_eq!(batch.part_deformable(body, parts).unwrap(), [0, 1, 2]);
+        assert!(batch.fragment_deformable(body, wrong).is_err());
+        assert_eq!(batch.fragment_deformable(body, parts).unwrap(), [0, 1, 2]);
         let x = at(0.1 * DEPTH);
         let bodies: Vec<Vec<Vector3<f64>>> = nodes
             .iter()

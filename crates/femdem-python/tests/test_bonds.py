@@ -150,8 +150,8 @@ def test_a_bar_that_is_pulled_breaks_at_its_strength():
     world.release(bar)
     world.step(1)
     # Its halves go on as bodies.
-    ((body, others),) = world.part_fragments()
-    assert body == bar and len(others) >= 1 and world.part_fragments() == []
+    ((body, others),) = world.fragment_bodies()
+    assert body == bar and len(others) >= 1 and world.fragment_bodies() == []
     assert sum(len(world.cells(i)[0]) for i in [body, *others]) == elements
     world.step(10)
 

@@ -12,7 +12,7 @@ pub(crate) const LOAN: f64 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fragments {
-    /// Each becomes a body when the host calls [`World::part_fragments`](crate::World::part_fragments).
+    /// Each becomes a body when the host calls [`World::fragment_bodies`](crate::World::fragment_bodies).
     #[default]
     Bodies,
     /// They stay pieces of one body.

@@ -375,9 +375,9 @@ fn halves_of_a_bar_fly_apart_as_two_bodies() {
     let before = loop {
         world.step().unwrap();
         let before = world.clone();
-        let partings = world.part_fragments().unwrap();
-        if !partings.is_empty() {
-            assert!(partings[0].body == 0 && partings[0].fragments[0] == other);
+        let fragmentations = world.fragment_bodies().unwrap();
+        if !fragmentations.is_empty() {
+            assert!(fragmentations[0].body == 0 && fragmentations[0].fragments[0] == other);
             break before;
         }
         assert!(world.time() < 1e-3);
@@ -421,7 +421,7 @@ fn halves_of_a_bar_fly_apart_as_two_bodies() {
     assert_eq!(held.iter().filter(|count| **count > 0).count(), 2);
     for _ in 0..300 {
         world.step().unwrap();
-        world.part_fragments().unwrap();
+        world.fragment_bodies().unwrap();
     }
     let speeds: Vec<f64> = world
         .deformables()
@@ -444,7 +444,7 @@ fn a_body_that_may_not_touch_itself_stays_one() {
     world.set_self_contact(0, false).unwrap();
     while fragments(&world) < 2 || world.steps() % 20 != 1 {
         world.step().unwrap();
-        assert_eq!(world.part_fragments().unwrap(), []);
+        assert_eq!(world.fragment_bodies().unwrap(), []);
         assert!(world.time() < 1e-3);
     }
     let cell = PeriodicCell::new([Some(1.0); 3]).unwrap();
@@ -454,32 +454,32 @@ fn a_body_that_may_not_touch_itself_stays_one() {
         world.step().unwrap();
     }
     world.set_self_contact(0, true).unwrap();
-    assert_eq!(world.part_fragments().unwrap().len(), 1);
+    assert_eq!(world.fragment_bodies().unwrap().len(), 1);
     assert!(world.deformable_count() > 1);
 }
 
-/// A cube thrown on the floor becomes bodies that break on, with the same bits through checkpoints right after partings and with
+/// A cube thrown on the floor becomes bodies that break on, with the same bits through checkpoints right after fragmentations and with
 /// threads; at each of them nothing is lost or gained.
 #[test]
 fn the_pieces_of_a_thrown_cube_go_on_as_bodies() {
     let mut world = dropped_of(3);
     let mut restarted = dropped_of(3);
-    let mut partings = 0;
+    let mut fragmentations = 0;
     let mut last = 0;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
     let pool = pool.unwrap();
     // Some steps beyond the second time.
-    while partings < 2 || world.steps() < last + 60 {
-        assert!(world.steps() < 3000, "{partings}");
+    while fragmentations < 2 || world.steps() < last + 60 {
+        assert!(world.steps() < 3000, "{fragmentations}");
         world.step().unwrap();
         pool.install(|| restarted.step()).unwrap();
         // Nodes are split, and facets spent, at every fifth step.
         let before = world.steps().is_multiple_of(5).then(|| world.clone());
-        let parted = world.part_fragments().unwrap();
-        let again = pool.install(|| restarted.part_fragments());
+        let parted = world.fragment_bodies().unwrap();
+        let again = pool.install(|| restarted.fragment_bodies());
         assert_eq!(again.unwrap(), parted);
         if !parted.is_empty() {
-            partings += 1;
+            fragmentations += 1;
             last = world.steps();
             assert_same(&before.unwrap(), &world);
             let bytes = restarted.to_bytes().unwrap();

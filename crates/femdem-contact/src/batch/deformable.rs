@@ -5,8 +5,8 @@ use super::{ContactBatch, Snapshot};
 use crate::body_shape::Kind;
 use crate::contact::{BodyId, Load, Partner};
 use crate::deform::{
-    Around, DeformablePart, DeformableShape, DeformableTotals, FallenPart, FrictionStart, Modulus,
-    NodalLoads, NodalState, Side,
+    Around, DeformablePart, DeformableShape, DeformableTotals, FragmentShape, FrictionStart,
+    Modulus, NodalLoads, NodalState, Side,
 };
 use crate::error::{ContactError, check};
 use crate::motion::Motion;
@@ -112,10 +112,10 @@ impl ContactBatch {
     /// # Errors
     /// [`ContactError::NoSuch`] if there is no such deformable body, if another body has its shape, and unless each tetrahedron of its mesh is
     /// in one part.
-    pub fn part_deformable(
+    pub fn fragment_deformable(
         &mut self,
         body: BodyId,
-        parts: Vec<FallenPart>,
+        parts: Vec<FragmentShape>,
     ) -> Result<Vec<BodyId>, ContactError> {
         let material = self.material(body).unwrap_or_default();
         self.known_deformable(body)?.check_parts(body, &parts)?;

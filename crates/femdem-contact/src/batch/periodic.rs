@@ -89,22 +89,17 @@ impl ContactBatch {
 
     /// Refuses a cell too small for its bodies, and walls that do not repeat themselves.
     pub(super) fn check_space(&self, view: &Snapshot) -> Result<(), ContactError> {
-        let Some(Space { cell, .. }) = &self.space else {
+        let Some(space @ Space { cell, .. }) = &self.space else {
             return Ok(());
         };
         let reach = |shape: &BodyShape| shape.radius() + self.broadphase.margin(shape);
         let radii = self.shapes.iter().map(reach);
         let largest = 2.0 * radii.fold(0.0, f64::max);
         let edges = cell.edges();
-        let axes = (0..3).filter(|&axis| cell.repeats(axis) && largest > 0.0);
-        for axis in axes {
-            check(
-                "side of a periodic cell over the diameter of the largest body, liquid bridge included",
-                edges[(axis, axis)] / largest,
-                edges[(axis, axis)] >= PeriodicCell::LEAST_DIAMETERS * largest,
-                "at least 2.25, so that no body meets another one on two sides",
-            )?;
-        }
+        space.check_fits(
+            "side of a periodic cell over the diameter of the largest body, liquid bridge included",
+            largest,
+        )?;
         for (w, wall) in self.walls() {
             let repeats = |planes: &crate::walls::Wall| {
                 planes.planes().iter().all(|plane| {

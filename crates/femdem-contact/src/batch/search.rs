@@ -44,9 +44,10 @@ impl ContactBatch {
             self.find_carried(bodies, walls);
         }
         if walls_moved {
+            let skin = self.wall_skin();
             let ids: Vec<BodyId> = self.rigid_ids().collect();
             for i in ids {
-                self.search_walls(i as usize, &bodies[i as usize], walls);
+                self.search_walls(i as usize, &bodies[i as usize], walls, skin);
             }
             if let Some(part) = &mut self.deformable {
                 part.note_walls();
@@ -137,7 +138,8 @@ impl ContactBatch {
             part.take_neighbours(i as BodyId, neighbours);
         }
         self.pairs.set_neighbours(i as u32, neighbours);
-        self.search_walls(i, motion, walls);
+        let skin = self.wall_skin();
+        self.search_walls(i, motion, walls, skin);
     }
 
     /// How far a wall may travel before the bodies near it are looked up again, m.
@@ -148,10 +150,10 @@ impl ContactBatch {
         Broadphase::half_skin(largest)
     }
 
-    fn search_walls(&mut self, body: usize, motion: &Motion, walls: &[Motion]) {
+    fn search_walls(&mut self, body: usize, motion: &Motion, walls: &[Motion], skin: f64) {
         let shape = &self.shapes[self.body_shapes[body] as usize];
         let attracts = 2.0 * self.broadphase.margin(shape);
-        let reach = wall_reach(shape.radius(), self.wall_skin()) + attracts;
+        let reach = wall_reach(shape.radius(), skin) + attracts;
         let near = near_walls(&self.walls, walls, &motion.frame.position, reach);
         self.pairs.set_walls(body as u32, &near);
     }

@@ -112,7 +112,7 @@ mod sums;
 mod turning;
 mod walk;
 
-pub use batch::FallenPart;
+pub use batch::FragmentShape;
 pub(crate) use batch::{Around, DeformablePart};
 pub use kernel::{DeformableKernel, DeformableOverlap, NodeForce};
 pub use operand::Operand;

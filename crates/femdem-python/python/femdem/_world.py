@@ -427,10 +427,10 @@ class World(Bodies):
         """The fragment (n,) of each tetrahedron of a breakable body: facets join them that are not broken."""
         return self._world.fragments(index("body", body))
 
-    def part_fragments(self) -> list[tuple[int, list[int]]]:
+    def fragment_bodies(self) -> list[tuple[int, list[int]]]:
         """Makes bodies of the fragments of broken bodies, unless their fracture says ``fragments: "pieces"``: each body that had
         some, which is its largest fragment from then on, with the new bodies."""
-        return self._world.part_fragments()
+        return self._world.fragment_bodies()
 
     @property
     def cell(self) -> NDArray[np.float64] | None:

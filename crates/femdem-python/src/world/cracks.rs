@@ -93,9 +93,9 @@ impl World {
     }
 
     /// Makes bodies of the fragments of broken bodies: each body that had some, with the new ones.
-    fn part_fragments(&mut self) -> PyResult<Vec<(BodyId, Vec<BodyId>)>> {
-        let partings = self.world.part_fragments().map_err(refused)?;
-        Ok(partings
+    fn fragment_bodies(&mut self) -> PyResult<Vec<(BodyId, Vec<BodyId>)>> {
+        let fragmentations = self.world.fragment_bodies().map_err(refused)?;
+        Ok(fragmentations
             .into_iter()
             .map(|p| (p.body, p.fragments))
             .collect())

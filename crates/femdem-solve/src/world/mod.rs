@@ -34,7 +34,7 @@ use std::time::Duration;
 
 pub(crate) use deformables::CrackFlows;
 pub use deformables::{
-    ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, ModelId, Parting,
+    ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, Fragmentation, ModelId,
 };
 pub use query::Residuals;
 pub use relax::{WorldRelaxation, WorldRelaxed};

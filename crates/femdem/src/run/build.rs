@@ -495,7 +495,7 @@ impl Simulation {
             self.controls.step(&mut self.world)
         };
         stepped.map_err(|source| self.named(source))?;
-        self.part_fragments()?;
+        self.fragment_bodies()?;
         self.pass_gates()
     }
 

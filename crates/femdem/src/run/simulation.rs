@@ -78,15 +78,22 @@ impl TryFrom<Stored> for Simulation {
             origin,
         } = stored;
         world.restore()?;
+        let none = |what, index, count| Err(SolveError::NoSuch { what, index, count });
         for (member, number) in members.iter().zip(0..) {
             let is_whole = |first: u32| first < number && members[first as usize].of.is_none();
             if let Some(first) = member.of.filter(|first| !is_whole(*first)) {
-                return Err(SolveError::NoSuch {
-                    what: "body that fragments broke off",
-                    index: first as usize,
-                    count: number as usize,
-                });
+                return none(
+                    "body that fragments broke off",
+                    first as usize,
+                    number as usize,
+                );
             }
+        }
+        if let Some(known) = flow.misfit(members.len()) {
+            return none("body that a gauge has seen", known, members.len());
+        }
+        if let Some([load, count]) = loads.misfit() {
+            return none("load on a body", load, count);
         }
         Ok(Self {
             world,

@@ -5,9 +5,9 @@ use super::pairs::Key;
 use crate::broadphase::{Broadphase, Extent};
 use crate::contact::BodyId;
 use crate::deform::side::Side;
-use crate::error::{ContactError, check};
+use crate::error::ContactError;
 use crate::periodic::Space;
-use femdem_mesh::{PeriodicCell, Vector3};
+use femdem_mesh::Vector3;
 
 impl DeformablePart {
     /// A rigid body was entered anew: those of its `neighbours` that are deformable are taken out of them.
@@ -40,7 +40,10 @@ impl DeformablePart {
             let (bounds, radius) = body.extent();
             let half_skin = Broadphase::half_skin(radius);
             if let Some(space) = space {
-                check_fits(space, radius + half_skin)?;
+                space.check_fits(
+                    "side of a periodic cell over the diameter of the largest deformable body, with a margin for its motion",
+                    2.0 * (radius + half_skin),
+                )?;
             }
             // A node may move one way as far as the mean moves the other way.
             body.stretch_to(radius, 2.0 * half_skin);
@@ -114,19 +117,4 @@ impl DeformablePart {
             (Side::Rigid(other), body)
         }
     }
-}
-
-/// Refuses a cell in which a body whose nodes stay within `reach` (m) of its centre could meet another one on two sides.
-fn check_fits(space: &Space, reach: f64) -> Result<(), ContactError> {
-    let edges = space.cell.edges();
-    let largest = 2.0 * reach;
-    for axis in (0..3).filter(|&axis| space.cell.repeats(axis)) {
-        check(
-            "side of a periodic cell over the diameter of the largest deformable body, with a margin for its motion",
-            edges[(axis, axis)] / largest,
-            edges[(axis, axis)] >= PeriodicCell::LEAST_DIAMETERS * largest,
-            "at least 2.25, so that no body meets another one on two sides",
-        )?;
-    }
-    Ok(())
 }

@@ -24,7 +24,7 @@ use nodal_bound::NodalBound;
 use serde::{Deserialize, Serialize};
 
 pub(super) use add::centroid;
-pub use fracture::{CrackFacet, Cracks, Parting};
+pub use fracture::{CrackFacet, Cracks, Fragmentation};
 pub use query::Deformable;
 use rest::Rest;
 

@@ -64,6 +64,12 @@ impl Gate {
 }
 
 impl Flow {
+    /// How many members a gate knows of, if they are not as many as there are.
+    pub(in crate::run) fn misfit(&self, members: usize) -> Option<usize> {
+        let mut known = self.gates.iter().map(|gate| gate.beyond.len());
+        known.find(|known| *known != members)
+    }
+
     /// Whether nothing opens, comes or is counted.
     pub(in crate::run) fn is_empty(&self) -> bool {
         self.openings.is_empty() && !self.is_counted()

@@ -175,14 +175,14 @@ impl Simulation {
     }
 
     /// Makes members of the fragments that have become bodies.
-    pub(in crate::run) fn part_fragments(&mut self) -> Result<(), Error> {
-        let partings = self.world.part_fragments();
-        for parting in partings.map_err(|source| self.named(source))? {
-            let Some(whole) = self.member_of(parting.body) else {
+    pub(in crate::run) fn fragment_bodies(&mut self) -> Result<(), Error> {
+        let fragmentations = self.world.fragment_bodies();
+        for fragmentation in fragmentations.map_err(|source| self.named(source))? {
+            let Some(whole) = self.member_of(fragmentation.body) else {
                 continue;
             };
             let first = self.members[whole].of.unwrap_or(whole as u32);
-            for id in parting.fragments {
+            for id in fragmentation.fragments {
                 let Member { name, placed, .. } = &self.members[first as usize];
                 let member = Member {
                     name: format!("{name} fragment {}", self.members.len()),

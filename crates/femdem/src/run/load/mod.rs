@@ -226,6 +226,13 @@ fn torque(torque: Vector3) -> Wrench {
 }
 
 impl BodyLoads {
+    /// The number of a load on a member that is not there, and how many are.
+    pub(super) fn misfit(&self) -> Option<[usize; 2]> {
+        let count = self.loads.len();
+        let mut numbers = self.of_members.iter().flatten().map(|n| *n as usize);
+        Some([numbers.find(|number| *number >= count)?, count])
+    }
+
     /// Notes a new member. A fragment has the loads of the body that broke.
     pub(super) fn add_member(&mut self, member: &Member) {
         let whole = member.of.and_then(|of| self.of_members.get(of as usize));

@@ -12,14 +12,14 @@ mod birth;
 mod breakable;
 mod cracks;
 mod facet;
+mod fragments;
 mod joints;
-mod part;
 mod query;
 mod reshape;
 mod stored;
 
 pub use facet::CrackFacet;
-pub use part::Parting;
+pub use fragments::Fragmentation;
 pub use query::Cracks;
 
 pub(crate) use breakable::Breakable;

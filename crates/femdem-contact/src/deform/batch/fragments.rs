@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// A part into which a deformable body falls.
 #[derive(Debug, Clone)]
-pub struct FallenPart {
+pub struct FragmentShape {
     /// Its shape, of the tetrahedra `tets` of the body's mesh in that order: see
     /// [`DeformableShape::cracked`](crate::deform::DeformableShape::cracked).
     pub shape: Arc<DeformableShape>,
@@ -24,7 +24,7 @@ pub struct FallenPart {
 
 impl DeformablePart {
     /// Refuses parts that are not all of a body, and a body whose shape is another's too.
-    pub fn check_parts(&self, body: BodyId, parts: &[FallenPart]) -> Result<(), ContactError> {
+    pub fn check_parts(&self, body: BodyId, parts: &[FragmentShape]) -> Result<(), ContactError> {
         let index = self.bodies[body as usize].shape;
         let shape = &self.shapes[index as usize];
         let wrong = |what, index, count| Err(ContactError::NoSuch { what, index, count });
@@ -38,7 +38,7 @@ impl DeformablePart {
         if let Some(missing) = (0..count).find(|t| all.get(*t) != Some(&(*t as u32))) {
             return wrong("one part with each tetrahedron of the body", missing, count);
         }
-        let fits = |part: &FallenPart| part.shape.wholes().len() == part.tets.len();
+        let fits = |part: &FragmentShape| part.shape.wholes().len() == part.tets.len();
         if all.len() > count || !parts.iter().all(fits) {
             return wrong("tetrahedra in the shapes of the parts", all.len(), count);
         }
@@ -46,8 +46,8 @@ impl DeformablePart {
     }
 
     /// Makes bodies `ids`, of which the first is there, of the parts of the first: see
-    /// [`ContactBatch::part_deformable`](crate::ContactBatch::part_deformable).
-    pub fn part(&mut self, ids: &[BodyId], parts: Vec<FallenPart>) {
+    /// [`ContactBatch::fragment_deformable`](crate::ContactBatch::fragment_deformable).
+    pub fn part(&mut self, ids: &[BodyId], parts: Vec<FragmentShape>) {
         let Some(&body) = ids.first() else {
             return;
         };

@@ -17,7 +17,7 @@ use crate::world::build::place;
 use crate::world::deformables::add::{held_energy, inverse_masses};
 use crate::world::deformables::nodal_bound::NodalBound;
 use crate::world::deformables::{Model, Scratch, State};
-use femdem_contact::deform::{DeformableShape, FallenPart};
+use femdem_contact::deform::{DeformableShape, FragmentShape};
 use femdem_contact::{BodyId, Frame, Motion};
 use femdem_mesh::tet::CrackedPart;
 use femdem_mesh::{TetMesh, Vector3};
@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 /// A body that has fallen into several.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Parting {
+pub struct Fragmentation {
     /// The body, which is the largest of its fragments from now on; the one with the lowest element among equals.
     pub body: BodyId,
     /// The others, in the order of their lowest elements.
@@ -49,9 +49,9 @@ impl World {
     /// facets have come to be spent, or nodes have been split.
     ///
     /// # Errors
-    /// [`SolveError::Contact`], [`SolveError::Fem`] and [`SolveError::Mesh`] where fragments are no sound bodies: no body has fallen into
-    /// parts then.
-    pub fn part_fragments(&mut self) -> Result<Vec<Parting>, SolveError> {
+    /// [`SolveError::Fem`] and [`SolveError::Mesh`] where fragments are no sound bodies: no body has fallen into parts then. After an
+    /// error of the contacts, [`SolveError::Contact`], the world is of no further use.
+    pub fn fragment_bodies(&mut self) -> Result<Vec<Fragmentation>, SolveError> {
         self.restored()?;
         let mut broken = Vec::new();
         for id in self.deformable_ids().collect::<Vec<_>>() {
@@ -70,13 +70,13 @@ impl World {
             fallen.push((id, self.fragments_of(id, parts).map_err(in_body(id))?));
         }
         self.book_cracks();
-        let mut partings = Vec::new();
+        let mut fragmentations = Vec::new();
         for (id, fragments) in fallen {
-            partings.push(self.part(id, fragments).map_err(in_body(id))?);
+            fragmentations.push(self.part(id, fragments).map_err(in_body(id))?);
         }
         self.meet_deformables(0.0)?;
         self.flows.cracks.released += before - self.stored_in_soft_contacts();
-        Ok(partings)
+        Ok(fragmentations)
     }
 
     /// The tetrahedra of the fragments of a body, the largest first; `None` for a body that is one, or has to stay it. They are looked
@@ -124,8 +124,8 @@ impl World {
     }
 
     /// Makes bodies of the fragments of a body; the first keeps its number.
-    fn part(&mut self, id: BodyId, fragments: Vec<Fragment>) -> Result<Parting, SolveError> {
-        let none = Parting {
+    fn part(&mut self, id: BodyId, fragments: Vec<Fragment>) -> Result<Fragmentation, SolveError> {
+        let none = Fragmentation {
             body: id,
             fragments: Vec::new(),
         };
@@ -133,11 +133,11 @@ impl World {
             return Ok(none);
         };
         let own = deformables.bodies[id as usize].model;
-        let fallen = fragments.iter().map(|fragment| FallenPart {
+        let fallen = fragments.iter().map(|fragment| FragmentShape {
             shape: Arc::clone(&fragment.shape),
             tets: fragment.tets.clone(),
         });
-        let ids = self.batch.part_deformable(id, fallen.collect())?;
+        let ids = self.batch.fragment_deformable(id, fallen.collect())?;
         deformables.bound = None;
         for (&id, fragment) in ids.iter().zip(fragments) {
             let Fragment {
@@ -164,7 +164,7 @@ impl World {
             }
             place(&mut deformables.bodies, id, state);
         }
-        Ok(Parting {
+        Ok(Fragmentation {
             fragments: ids[1..].to_vec(),
             ..none
         })
