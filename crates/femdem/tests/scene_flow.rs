@@ -276,11 +276,22 @@ fn flow_that_cannot_be_is_refused_with_its_key() {
         ("number = 12", "start = 0.2\nend = 0.1", "start and end"),
         ("shape = \"cube\"", "", "shape = none"),
         ("diameter = 0.01", "", "diameter and size"),
+        (
+            "diameter = 0.01",
+            "diameter = 0.01\nsizes = \"1cm\"",
+            "sizes, sieve, diameter and size = several",
+        ),
+        (
+            "diameter = 0.01",
+            "sieve = \"1cm:1\"\nsizes = \"1cm\"",
+            "sizes and sieve = both",
+        ),
+        ("diameter = 0.01", "sizes = \"1cm:x\"", "20mm:0.3,30mm:0.7"),
         ("lower = [-0.012", "lower = [1", "lower and upper"),
         (
             "material = \"m\"",
             "material = \"n\"",
-            "no body, source or wall",
+            "source \"feed\": material = \"n\"",
         ),
         ("offset = -0.1 }", "offset = nan }", "plane.offset"),
         (
@@ -344,4 +355,33 @@ fn places_are_taken_one_by_one() {
         error.contains("number") && error.contains("places"),
         "{error}"
     );
+}
+
+/// Half of the mass in cubes with a diagonal of 8 mm, half in such with 16 mm, of 8 times the mass.
+#[test]
+fn a_source_brings_bodies_by_their_shares_of_the_mass() {
+    let small = 2000.0 * (0.008_f64 / 3_f64.sqrt()).powi(3);
+    let text = FLOW
+        .replace("    opens = 0.25\n", "")
+        .replace("duration = 0.5", "duration = 0.2")
+        .replace("diameter = 0.01", "sizes = \"8mm:0.5,16mm:0.5\"");
+    for (end, count) in [
+        ("number = 18".to_owned(), [16, 2]),
+        (format!("mass = {}", 32.001 * small), [16, 2]),
+        (format!("mass = {}", 31.9 * small), [15, 2]),
+    ] {
+        let text = text.replace("number = 12", &end);
+        let folder = tempdir().unwrap();
+        let mut run = begun(&text);
+        run.advance(folder.path(), u64::MAX).unwrap();
+        let masses: Vec<f64> = run.simulation().bodies().iter().map(|b| b.mass).collect();
+        let of = |mass: f64| {
+            let same = |m: &&f64| (**m / mass - 1.0).abs() < 1e-9;
+            masses.iter().filter(same).count()
+        };
+        assert_eq!([of(small), of(8.0 * small)], count, "{end}: {masses:?}");
+        assert_eq!(masses.len(), count.iter().sum::<usize>());
+        // In no order of size.
+        assert!(!masses.is_sorted(), "{masses:?}");
+    }
 }

@@ -167,6 +167,8 @@ fn source() -> SourceEntry {
         shape: "cube".to_owned(),
         diameter: Some(1.0),
         size: Some(1.0),
+        sizes: Some("1m".to_owned()),
+        sieve: Some("1m:1".to_owned()),
         unit: Unit::M,
         repair: true,
         mesh_size: Some(0.1),

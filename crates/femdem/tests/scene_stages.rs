@@ -257,3 +257,20 @@ load = [{ bodies = ["feed"], acceleration = [2, 0, 0] }]
     assert_eq!(fs::read_to_string(&own).unwrap(), text);
     assert_eq!(bodies(&out.join("pull")), rows);
 }
+
+#[test]
+fn stages_that_cannot_follow_are_refused_before_anything_runs() {
+    let folder = tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let misspelt = "wall = [{ name = \"ldi\", motion";
+    let text = SCENE.replace("wall = [{ name = \"lid\", motion", misspelt);
+    assert!(text.contains(misspelt));
+    fs::write(&scene, &text).unwrap();
+    let out = folder.path().join("out");
+    for check in [&["--check"][..], &[]] {
+        let words = "stage lift: the scene changes the number of [[wall]] from 2 to 3";
+        let run = &mut femdem("run");
+        fails(run.arg(&scene).arg("--out").arg(&out).args(check), &[words]);
+        assert!(!out.exists());
+    }
+}

@@ -15,6 +15,10 @@ use super::{complain, overlaps, say, say_notes};
 const TRIAL_STEPS: u32 = 50;
 const TRIAL_TIME: Duration = Duration::from_secs(1);
 
+/// Time on the clock for a run whose bodies are still to come, and the parts of its duration in which they are counted.
+const SOURCE_TIME: Duration = Duration::from_secs(3);
+const PARTS: u32 = 64;
+
 /// Steps of a pack between looks at the clock.
 const TRIAL_CHUNK: u64 = 20;
 
@@ -72,15 +76,26 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
         simulation.step()?;
     }
     let touched = touches(&simulation);
+    let brings = !scenario.source.is_empty();
+    // Bodies come first, so that the cost is that of a step with some of them.
+    while brings && began.elapsed() < SOURCE_TIME && !is_over(&simulation, scenario) {
+        simulation.step()?;
+    }
     let met = Instant::now();
     let mut taken = 0;
     while taken < TRIAL_STEPS && met.elapsed() < TRIAL_TIME {
         simulation.step()?;
         taken += 1;
     }
+    let present = simulation.world.rigid_count() + simulation.world.deformable_count();
     let step = simulation.world.time_step();
     let steps = scenario.duration / step;
-    let left = met.elapsed().as_secs_f64() / f64::from(taken.max(1)) * steps;
+    let each = met.elapsed().as_secs_f64() / f64::from(taken.max(1));
+    let more = match brings {
+        true => mean_bodies(&simulation, scenario) / (present.max(1) as f64),
+        false => 1.0,
+    };
+    let left = each * steps * more.max(1.0);
     let tetrahedra: usize = simulation.bodies().iter().map(|body| body.tetrahedra).sum();
     say(&format!(
         "time step: {step:.3e} s, {steps:.0} steps for {} s",
@@ -101,13 +116,34 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
         "cost: about {} on {threads} threads, files not counted, if the run goes on as in {taken} steps from {:.4} s on{}",
         span(time),
         simulation.world.time(),
-        if touched {
-            ""
-        } else {
-            ", where nothing touches yet: with contacts it takes longer"
+        match (brings, touched) {
+            (true, _) => format!(
+                " with {present} of up to {} bodies: contacts that are still to come make it longer",
+                simulation.bodies_due(scenario.duration)
+            ),
+            (false, true) => String::new(),
+            (false, false) =>
+                ", where nothing touches yet: with contacts it takes longer".to_owned(),
         }
     ));
+    if steps > MOST_STEPS {
+        complain(&format!(
+            "warning: with more than {MOST_STEPS:.0e} steps the run is refused without --yes"
+        ));
+    }
     Ok(())
+}
+
+/// Mean number of bodies over the duration, if none leaves.
+fn mean_bodies(simulation: &Simulation, scenario: &Scenario) -> f64 {
+    let now = simulation.world.time();
+    let present = simulation.world.rigid_count() + simulation.world.deformable_count();
+    let others = (present as u64).saturating_sub(simulation.bodies_due(now));
+    let at = |part: u32| {
+        let time = scenario.duration * (f64::from(part) + 0.5) / f64::from(PARTS);
+        simulation.bodies_due(time) as f64
+    };
+    (0..PARTS).map(at).sum::<f64>() / f64::from(PARTS) + others as f64
 }
 
 /// Refuses a run that would take longer than anyone waits for.
@@ -153,6 +189,10 @@ pub(crate) fn pack(mut packing: Packing, threads: usize) -> Result<()> {
             let unit = (spec.diameter() / spec.gravity).sqrt();
             let fall = (2.0 * highest / spec.gravity).sqrt();
             progress.time / (fall + SETTLING * unit)
+        }
+        // The bodies come by the clock of the job.
+        Protocol::Pour(pour) => {
+            PLACING * (progress.time * pour.rate / f64::from(progress.count)).min(1.0)
         }
         _ => PLACING * f64::from(progress.placed) / f64::from(progress.count),
     };
@@ -201,7 +241,7 @@ fn list_shapes(spec: &PackSpec) {
         spec.count,
         short_number(spec.diameter()),
         short_number(mass),
-        short_number(spec.expected_height())
+        short_number(spec.expected_height().max(spec.diameter()))
     ));
 }
 

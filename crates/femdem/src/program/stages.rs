@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use femdem::output;
-use femdem::run::Stage;
+use femdem::run::{Run, Stage};
 
 use super::args::{ResumeArgs, RunArgs};
 use super::run::{SCENE, SceneArgs, resume as resume_run, run as run_whole, run_scenario};
@@ -24,6 +24,7 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
 
 /// Runs the stages of a scene, and keeps the scene in the folder that holds theirs.
 fn run_stages(args: &SceneArgs, stages: &[Stage]) -> Result<Outcome> {
+    refuse_others(stages)?;
     if !args.check {
         let out = folder_of(stages);
         let text = fs::read(&args.scene)
@@ -45,13 +46,34 @@ fn run_stages(args: &SceneArgs, stages: &[Stage]) -> Result<Outcome> {
         if args.check {
             if stages.len() > 1 {
                 say(
-                    "the other stages start from the end of this one, and are checked when it is there",
+                    "the other stages start from the end of this one: their cost is known when it is there",
                 );
             }
             break;
         }
     }
     Ok(Outcome::Finished)
+}
+
+/// Refuses stages that cannot start after the one before: tried from the beginning of the first, before anything has run.
+fn refuse_others(stages: &[Stage]) -> Result<()> {
+    let Some((first, others)) = stages
+        .split_first()
+        .filter(|(_, others)| !others.is_empty())
+    else {
+        return Ok(());
+    };
+    let mut run = Run::new(first.scenario.clone())?;
+    for stage in others {
+        // Bodies that sources bring are not there yet, so that only what never changes can be compared.
+        let brings = !run.scenario().source.is_empty();
+        match run.followed_by(&stage.scenario) {
+            Ok(next) => run = next,
+            Err(error) if brings && !matches!(error, femdem::Error::Fixed { .. }) => break,
+            Err(error) => return Err(error).with_context(|| format!("stage {}", stage.name)),
+        }
+    }
+    Ok(())
 }
 
 /// Goes on with the first stage that is not finished; `None` if the folder holds none.

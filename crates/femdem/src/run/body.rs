@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::{BoundaryEntry, MotionEntry, RegionEntry, RotationEntry};
 use crate::Error;
 use crate::error::wrong;
-use crate::scene::{Unit as LengthUnit, perhaps_in_metres};
+use crate::scene::{Unit as LengthUnit, in_metres};
 
 /// How a body responds to forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -66,6 +66,7 @@ pub struct Copies {
     /// Number along x, y and z.
     pub count: [u32; 3],
     /// Distance between neighbours along x, y and z \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub spacing: [f64; 3],
     /// Seed of random orientations; `None`: all are turned as the first.
     #[serde(default)]
@@ -128,12 +129,13 @@ pub struct BodyEntry {
     /// its size.
     pub block: Option<[u32; 3]>,
     /// Sides of the block \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub sides: Option<[f64; 3]>,
     /// Circumscribed diameter of `shape` \[m\]; without it the body of a file has the file's size.
-    #[serde(deserialize_with = "perhaps_in_metres")]
+    #[serde(deserialize_with = "in_metres")]
     pub diameter: Option<f64>,
     /// Size of a parametric shape by its own measure \[m\], instead of `diameter`.
-    #[serde(deserialize_with = "perhaps_in_metres")]
+    #[serde(deserialize_with = "in_metres")]
     pub size: Option<f64>,
     /// Unit of the coordinates in files.
     pub unit: LengthUnit,
@@ -162,6 +164,7 @@ pub struct BodyEntry {
     /// enough to raise it to this value; inertia and weight grow with it. `None`: no mass is added.
     pub mass_scaling: Option<f64>,
     /// Where the shape's origin lies \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub position: [f64; 3],
     /// Rotation of the body about the shape's origin.
     pub rotation: Option<RotationEntry>,

@@ -12,6 +12,7 @@ use super::words::in_entry;
 use super::{Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
+use crate::scene::in_metres;
 
 /// Bonds between the bodies of two groups that nearly touch; see [`BondLaw`]. No two bodies may be bonded by two entries.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,6 +21,7 @@ pub struct BondEntry {
     /// The two groups, which may be the same: each the name of a material, or of an entry of bodies.
     pub between: [String; 2],
     /// Largest gap, and for faces the largest overlap too \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub gap: f64,
     /// Radius of the disc between spheres over the smaller radius; size over that of the common part of facing faces.
     #[serde(default)]

@@ -208,11 +208,14 @@ impl Scenario {
             .iter()
             .filter_map(|wall| wall.material.as_ref())
             .collect();
+        // An entry with a name that is not known says so itself.
+        let mut named = used.iter().chain(&of_walls);
+        let is_misspelt = named.any(|name| !self.material.contains_key(*name));
         for (name, material) in &self.material {
             let checked = if used.contains(name) {
                 material.check()
-            } else if !of_walls.contains(name) && self.from.is_some() {
-                // Of bodies that have come from a source of the other run.
+            } else if !of_walls.contains(name) && (self.from.is_some() || is_misspelt) {
+                // Perhaps of bodies that have come from a source of the other run.
                 Ok(())
             } else if !of_walls.contains(name) {
                 Err(wrong(

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::revolved::{half_angle, height, position, thickness};
 use crate::Error;
 use crate::error::wrong;
+use crate::scene::in_metres;
 
 /// An upright bin of rectangular section with a hopper below: a wedge, where one side of the outlet is that of the bin, or a
 /// pyramid.
@@ -16,18 +17,21 @@ use crate::error::wrong;
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct HopperEntry {
     /// Inner sides of the bin along x and y \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub section: [f64; 2],
     /// Sides of the outlet along x and y \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub outlet: [f64; 2],
     /// Angle with the vertical of the walls that lean more \[degrees\]; 90: a flat bottom.
     pub half_angle: f64,
     /// Height of the bin above the hopper \[m\].
-    #[serde(default)]
+    #[serde(default, deserialize_with = "in_metres")]
     pub height: f64,
     /// Middle of the outlet \[m\].
-    #[serde(default)]
+    #[serde(default, deserialize_with = "in_metres")]
     pub position: [f64; 3],
     /// Thickness of the plates \[m\]; `None`: a tenth of the longer side.
+    #[serde(default, deserialize_with = "in_metres")]
     pub thickness: Option<f64>,
 }
 

@@ -72,6 +72,23 @@ impl Run {
     /// As [`Scenario::build`].
     pub fn new(scenario: Scenario) -> Result<Self, Error> {
         let (scenario, simulation) = scenario.begin()?;
+        Ok(Self::at_start(scenario, simulation))
+    }
+
+    /// A run of another scene that starts from the present state of this one, whatever its `from` says, with time and ledger at 0.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::build`]; [`Error::Fixed`] if the other scene has other materials, bodies or walls.
+    pub fn followed_by(&self, next: &Scenario) -> Result<Self, Error> {
+        next.check()?;
+        let state = format!("the run of \"{}\"", self.scenario.out.display());
+        let (scenario, simulation) =
+            next.start_after(&self.scenario, self.simulation.clone(), &state)?;
+        Ok(Self::at_start(scenario, simulation))
+    }
+
+    fn at_start(scenario: Scenario, simulation: Simulation) -> Self {
         let [mut history, mut members, mut walls, mut cells, mut flow] =
             [const { Table::EMPTY }; 5];
         history.row(history::history_header(&simulation));
@@ -79,7 +96,7 @@ impl Run {
         walls.row(WALL_HISTORY_COLUMNS.map(str::to_owned));
         cells.row(CELL_COLUMNS.map(str::to_owned));
         flow.row(FLOW_COLUMNS.map(str::to_owned));
-        Ok(Self {
+        Self {
             peaks: vec![Peak::default(); simulation.walls.len()],
             reaction_peaks: vec![Peak::default(); simulation.supports.len()],
             watch: Watch::default(),
@@ -97,7 +114,7 @@ impl Run {
             verifying: false,
             relaxing: None,
             ending: None,
-        })
+        }
     }
 
     /// The scenario.

@@ -262,7 +262,7 @@ fn floor_under(body: &Placed, bearing: &[(&Wall, Pose)], axes: &[Vector3; 3], lo
     if highest.is_finite() { highest } else { lowest }
 }
 
-/// A body of a source: at the highest place at which it may come, above the middle of the box. `None`
+/// The largest body of a source: at the highest place at which it may come, above the middle of the box. `None`
 /// if all have come.
 fn of_source(supply: &Supply, member: usize, axes: &[Vector3; 3], world: &World) -> Option<Placed> {
     if supply.is_done() {
@@ -271,18 +271,19 @@ fn of_source(supply: &Supply, member: usize, axes: &[Vector3; 3], world: &World)
     let [low, high] = [supply.lower, supply.upper].map(Vector3::from);
     let middle = |axis: &Vector3| 0.5 * axis.dot(&(low + high));
     let half = 0.5 * (high - low).abs().dot(&axes[0].abs());
-    let shape = world.shape(supply.shape)?;
+    let kind = supply.largest();
+    let shape = world.shape(kind.shape)?;
     let centre = [middle(&axes[0]) + half, middle(&axes[1]), middle(&axes[2])];
     Some(Placed {
         member,
         material: supply.material,
-        mass: supply.mass,
+        mass: kind.mass,
         volume: shape.volume,
-        diameter: 2.0 * supply.radius,
-        field_depth: world.field_depth(supply.shape)?,
+        diameter: 2.0 * kind.radius,
+        field_depth: world.field_depth(kind.shape)?,
         speed: Vector3::from(supply.velocity).norm(),
-        extents: centre.map(|at| [at - supply.radius, at + supply.radius]),
-        width: 2.0 * supply.radius,
+        extents: centre.map(|at| [at - kind.radius, at + kind.radius]),
+        width: 2.0 * kind.radius,
         drop: 0.0,
     })
 }

@@ -4,6 +4,8 @@ use femdem_mesh::Vector3;
 use femdem_solve::Drive;
 use serde::{Deserialize, Serialize};
 
+use crate::scene::in_metres;
+
 /// A prescribed motion of a wall, a body or nodes. Displacements count from their initial places.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -22,6 +24,7 @@ pub enum MotionEntry {
     /// Shaking: whole periods of stroke (1 − cos(2 π f t))/2, which start and end at rest.
     Shake {
         /// Full stroke \[m\].
+        #[serde(deserialize_with = "in_metres")]
         stroke: [f64; 3],
         /// Frequency f \[1/s\].
         frequency: f64,
@@ -35,6 +38,7 @@ pub enum MotionEntry {
     /// Tapping: single periods of a shake.
     Tap {
         /// Full stroke of a tap \[m\].
+        #[serde(deserialize_with = "in_metres")]
         stroke: [f64; 3],
         /// Frequency of the tap itself \[1/s\].
         frequency: f64,
@@ -52,7 +56,7 @@ pub enum MotionEntry {
         /// Direction of the axis, of any length; the sense is right-handed.
         axis: [f64; 3],
         /// A point of the axis \[m\].
-        #[serde(default)]
+        #[serde(default, deserialize_with = "in_metres")]
         point: [f64; 3],
         /// Rate \[rad/s\].
         rate: f64,
@@ -68,7 +72,7 @@ pub enum MotionEntry {
         /// Direction of the axis, of any length; the sense is right-handed.
         axis: [f64; 3],
         /// A point of the axis \[m\].
-        #[serde(default)]
+        #[serde(default, deserialize_with = "in_metres")]
         point: [f64; 3],
         /// Full stroke \[degrees\].
         angle: f64,

@@ -8,15 +8,17 @@ use serde::{Deserialize, Serialize};
 use super::{ControlEntry, Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
+use crate::scene::in_metres;
 
 /// A box that repeats itself along some of its axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct CellEntry {
     /// Lowest corner \[m\].
-    #[serde(default)]
+    #[serde(default, deserialize_with = "in_metres")]
     pub lower: [f64; 3],
     /// Highest corner \[m\]; along an axis that does not repeat itself it says nothing.
+    #[serde(deserialize_with = "in_metres")]
     pub upper: [f64; 3],
     /// Axes along which the box repeats itself, such as "xy".
     #[serde(default = "all")]

@@ -40,13 +40,16 @@ pub struct CylinderEntry {
     #[serde(deserialize_with = "in_metres")]
     pub diameter: f64,
     /// Middle of one end \[m\].
+    #[serde(default, deserialize_with = "in_metres")]
     pub from: Option<[f64; 3]>,
     /// Middle of the other end \[m\].
+    #[serde(default, deserialize_with = "in_metres")]
     pub to: Option<[f64; 3]>,
     /// Which ends are closed.
     #[serde(default)]
     pub ends: Ends,
     /// Thickness of the plates \[m\]; `None`: a tenth of the diameter.
+    #[serde(default, deserialize_with = "in_metres")]
     pub thickness: Option<f64>,
     /// Number of plane facets around the axis.
     #[serde(default = "facets")]
@@ -58,15 +61,19 @@ pub struct CylinderEntry {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct ConeEntry {
     /// Inner diameters at `from` and `to` \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub diameters: [f64; 2],
     /// Middle of one end \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub from: [f64; 3],
     /// Middle of the other end \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub to: [f64; 3],
     /// Which ends are closed.
     #[serde(default)]
     pub ends: Ends,
     /// Thickness of the plates \[m\]; `None`: a tenth of the larger diameter.
+    #[serde(default, deserialize_with = "in_metres")]
     pub thickness: Option<f64>,
     /// Number of plane facets around the axis.
     #[serde(default = "plates")]
@@ -81,7 +88,7 @@ pub struct SiloEntry {
     #[serde(deserialize_with = "in_metres")]
     pub diameter: f64,
     /// Height of the cylinder \[m\]; 0: a hopper alone.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "in_metres")]
     pub height: f64,
     /// Diameter of the outlet \[m\]; 0 closes it.
     #[serde(deserialize_with = "in_metres")]
@@ -89,9 +96,10 @@ pub struct SiloEntry {
     /// Angle of the hopper's wall with the vertical \[degrees\]; 90: a flat bottom.
     pub half_angle: f64,
     /// Middle of the outlet \[m\].
-    #[serde(default)]
+    #[serde(default, deserialize_with = "in_metres")]
     pub position: [f64; 3],
     /// Thickness of the plates \[m\]; `None`: a tenth of the diameter.
+    #[serde(default, deserialize_with = "in_metres")]
     pub thickness: Option<f64>,
     /// Number of plane facets around the axis.
     #[serde(default = "plates")]
@@ -106,11 +114,13 @@ pub struct PlateEntry {
     #[serde(deserialize_with = "in_metres")]
     pub diameter: f64,
     /// Middle of the face towards the bodies \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub centre: [f64; 3],
     /// Normal of that face, of any length.
     #[serde(default = "up")]
     pub normal: [f64; 3],
     /// Thickness behind the face \[m\]; `None`: a tenth of the diameter.
+    #[serde(default, deserialize_with = "in_metres")]
     pub thickness: Option<f64>,
     /// Number of sides.
     #[serde(default = "plates")]

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::error::wrong;
+use crate::scene::in_metres;
 
 /// Nodes of a deformable body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,8 +21,10 @@ pub enum SelectEntry {
     /// Those in a box, its sides included.
     Box {
         /// Lowest corner \[m\].
+        #[serde(deserialize_with = "in_metres")]
         lower: [f64; 3],
         /// Highest corner \[m\].
+        #[serde(deserialize_with = "in_metres")]
         upper: [f64; 3],
     },
     /// Those near the plane n·x = offset.
@@ -29,18 +32,19 @@ pub enum SelectEntry {
         /// Direction n, of any length.
         normal: [f64; 3],
         /// Distance of the plane from the origin along n \[m\].
-        #[serde(default)]
+        #[serde(default, deserialize_with = "in_metres")]
         offset: f64,
         /// Largest distance from the plane \[m\]; a millionth of the body's radius if left out.
-        #[serde(default)]
+        #[serde(default, deserialize_with = "in_metres")]
         tolerance: Option<f64>,
     },
     /// Those in a ball, its surface included.
     Sphere {
         /// Centre \[m\].
-        #[serde(default)]
+        #[serde(default, deserialize_with = "in_metres")]
         centre: [f64; 3],
         /// Radius \[m\].
+        #[serde(deserialize_with = "in_metres")]
         radius: f64,
     },
 }
@@ -90,8 +94,10 @@ pub enum Zone {
     /// A box.
     Box {
         /// Lowest corner \[m\].
+        #[serde(deserialize_with = "in_metres")]
         lower: [f64; 3],
         /// Highest corner \[m\].
+        #[serde(deserialize_with = "in_metres")]
         upper: [f64; 3],
     },
     /// The half-space n·x ≥ offset.
@@ -99,15 +105,16 @@ pub enum Zone {
         /// Direction n, of any length.
         normal: [f64; 3],
         /// Distance of its plane from the origin along n \[m\].
-        #[serde(default)]
+        #[serde(default, deserialize_with = "in_metres")]
         offset: f64,
     },
     /// A ball.
     Sphere {
         /// Centre \[m\].
-        #[serde(default)]
+        #[serde(default, deserialize_with = "in_metres")]
         centre: [f64; 3],
         /// Radius \[m\].
+        #[serde(deserialize_with = "in_metres")]
         radius: f64,
     },
 }

@@ -34,11 +34,25 @@ impl Scenario {
             });
         }
         let (before, simulation) = Run::read(folder)?.0.into_parts();
+        self.start_after(
+            &before,
+            simulation,
+            &format!("the checkpoint in {}", folder.display()),
+        )
+    }
+
+    /// The same from the state of a run of the scene `before`, for which errors have the word `state`.
+    pub(super) fn start_after(
+        &self,
+        before: &Self,
+        simulation: Simulation,
+        state: &str,
+    ) -> Result<(Self, Simulation), Error> {
         let of_pack = simulation.is_of_pack();
         self.check_origin(of_pack)?;
         let (scene, base) = if of_pack {
             let scene = self.filled(simulation.world.parameters(), true);
-            let scene = scene.with_pairs_of(&before);
+            let scene = scene.with_pairs_of(before);
             (scene, simulation.without_entries()?)
         } else {
             let scene = self.filled(&WorldParameters::default(), false);
@@ -46,11 +60,11 @@ impl Scenario {
             let world = world.map_err(|error| Error::from(error).by_keys(&KEYS))?;
             (scene, Simulation::empty(world))
         };
-        let changes = changes(&before, &scene)?;
+        let changes = changes(before, &scene)?;
         let refused = |key: String, advice| Error::Fixed {
             scene: "the scene",
             key,
-            state: format!("the checkpoint in {}", folder.display()),
+            state: state.to_owned(),
             advice,
         };
         let can_start = |change: &&Change| !change.can_be_started(&scene);
@@ -67,7 +81,7 @@ impl Scenario {
                 "its file is another one than that run had: give that one, or leave `from` out",
             ));
         }
-        let simulation = placed.started_from(simulation, &before, &scene)?;
+        let simulation = placed.started_from(simulation, before, &scene)?;
         Ok((scene, simulation))
     }
 }

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::Error;
 use crate::error::wrong;
-use crate::scene::{ShapeNote, Unit, surface};
+use crate::scene::{ShapeNote, Unit, in_metres, surface};
 
 /// A wall, described by exactly one of `plane`, `box`, `cylinder`, `cone`, `silo`, `hopper`, `plate` and `file`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -59,7 +59,7 @@ pub struct PlaneEntry {
     /// Normal n into the space for the bodies, of any length.
     pub normal: [f64; 3],
     /// Distance of the plane from the origin along the normal, whatever the length of that \[m\].
-    #[serde(default)]
+    #[serde(default, deserialize_with = "in_metres")]
     pub offset: f64,
 }
 
@@ -68,8 +68,10 @@ pub struct PlaneEntry {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct BoxEntry {
     /// Lowest corner \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub lower: [f64; 3],
     /// Highest corner \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub upper: [f64; 3],
     /// Whether it has no lid.
     #[serde(default)]

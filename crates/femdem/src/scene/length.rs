@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::de::Error as _;
+use serde::de::{DeserializeOwned, Error as _, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Unit;
@@ -19,12 +19,45 @@ pub enum Length {
     Metres(f64),
 }
 
-/// The form of a length in a scene file: a plain number is in diameters.
-#[derive(Serialize, Deserialize)]
+/// The form of a length in a scene file.
+#[derive(Serialize)]
 #[serde(untagged)]
-enum Written {
+pub(crate) enum Written {
     Number(f64),
     Text(String),
+}
+
+impl<'de> Deserialize<'de> for Written {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(WrittenVisitor)
+    }
+}
+
+/// Says what is wanted where neither is found.
+struct WrittenVisitor;
+
+impl Visitor<'_> for WrittenVisitor {
+    type Value = Written;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a length, such as 0.02 or \"20mm\"")
+    }
+
+    fn visit_f64<E>(self, x: f64) -> Result<Written, E> {
+        Ok(Written::Number(x))
+    }
+
+    fn visit_i64<E>(self, x: i64) -> Result<Written, E> {
+        Ok(Written::Number(x as f64))
+    }
+
+    fn visit_u64<E>(self, x: u64) -> Result<Written, E> {
+        Ok(Written::Number(x as f64))
+    }
+
+    fn visit_str<E>(self, text: &str) -> Result<Written, E> {
+        Ok(Written::Text(text.to_owned()))
+    }
 }
 
 impl Length {
@@ -79,19 +112,61 @@ pub fn metres(text: &str) -> Result<f64, Error> {
     })
 }
 
-/// For serde: a length of a scene file in metres, or with its unit.
-pub(crate) fn in_metres<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    match Written::deserialize(from)? {
-        Written::Number(x) => Ok(x),
-        Written::Text(text) => metres(&text).map_err(D::Error::custom),
+/// What holds lengths in metres, as a scene file writes them: each a number of metres, or a text with a unit.
+pub(crate) trait InMetres: Sized {
+    /// The form in the file.
+    type Written: DeserializeOwned;
+
+    /// In metres.
+    fn read(written: Self::Written) -> Result<Self, Error>;
+}
+
+impl InMetres for f64 {
+    type Written = Written;
+
+    fn read(written: Written) -> Result<Self, Error> {
+        match written {
+            Written::Number(x) => Ok(x),
+            Written::Text(text) => metres(&text),
+        }
     }
 }
 
-/// The same for a length that may be left out.
-pub(crate) fn perhaps_in_metres<'de, D: Deserializer<'de>>(
-    from: D,
-) -> Result<Option<f64>, D::Error> {
-    in_metres(from).map(Some)
+impl<T: InMetres> InMetres for Option<T> {
+    type Written = T::Written;
+
+    fn read(written: T::Written) -> Result<Self, Error> {
+        T::read(written).map(Some)
+    }
+}
+
+impl<T: InMetres> InMetres for Vec<T> {
+    type Written = Vec<T::Written>;
+
+    fn read(written: Self::Written) -> Result<Self, Error> {
+        written.into_iter().map(T::read).collect()
+    }
+}
+
+impl InMetres for [f64; 2] {
+    type Written = [Written; 2];
+
+    fn read([x, y]: [Written; 2]) -> Result<Self, Error> {
+        Ok([f64::read(x)?, f64::read(y)?])
+    }
+}
+
+impl InMetres for [f64; 3] {
+    type Written = [Written; 3];
+
+    fn read([x, y, z]: [Written; 3]) -> Result<Self, Error> {
+        Ok([f64::read(x)?, f64::read(y)?, f64::read(z)?])
+    }
+}
+
+/// For serde: lengths of a scene file in metres, or with their units.
+pub(crate) fn in_metres<'de, D: Deserializer<'de>, T: InMetres>(from: D) -> Result<T, D::Error> {
+    T::Written::deserialize(from).and_then(|written| T::read(written).map_err(D::Error::custom))
 }
 
 impl fmt::Display for Length {
@@ -147,6 +222,37 @@ mod tests {
         for bad in ["", "m", "6km", "-1", "-1mm", "NaN", "infm", "NaNmm"] {
             let message = bad.parse::<Length>().unwrap_err().to_string();
             assert!(message.contains("such as 0.3m"), "{bad}: {message}");
+        }
+    }
+
+    #[test]
+    fn lengths_of_scenes_take_units_alone_and_in_lists() {
+        #[derive(Debug, PartialEq, Deserialize)]
+        struct Entry {
+            #[serde(deserialize_with = "in_metres")]
+            one: f64,
+            #[serde(default, deserialize_with = "in_metres")]
+            perhaps: Option<[f64; 2]>,
+            #[serde(deserialize_with = "in_metres")]
+            places: Vec<[f64; 3]>,
+        }
+        let read = |text: &str| toml::from_str::<Entry>(text);
+        let entry = Entry {
+            one: 0.02,
+            perhaps: Some([1.0, 0.03]),
+            places: vec![[0.0, -0.5, 0.004]],
+        };
+        let text = "one = \"20mm\"\nperhaps = [1, \"3cm\"]\nplaces = [[0, -0.5, \"4mm\"]]";
+        assert_eq!(read(text).unwrap(), entry);
+        let plain = "one = 0.02\nplaces = []";
+        assert_eq!(read(plain).unwrap().perhaps, None);
+        for (bad, words) in [
+            (plain.replace("0.02", "true"), "such as 0.02 or \"20mm\""),
+            (plain.replace("0.02", "\"20\u{b5}\""), "such as 20mm"),
+            (plain.replace("[]", "[[0, 1]]"), "length"),
+        ] {
+            let message = read(&bad).unwrap_err().to_string();
+            assert!(message.contains(words), "{bad}: {message}");
         }
     }
 }

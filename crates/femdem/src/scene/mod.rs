@@ -44,10 +44,11 @@ pub use drag::Drag;
 pub(crate) use drag::per_second;
 pub use footprint::Footprint;
 pub(crate) use gravity::vector as gravity_vector;
+pub(crate) use length::in_metres;
 pub use length::{Length, metres};
-pub(crate) use length::{in_metres, perhaps_in_metres};
 pub use note::ShapeNote;
 pub use pair::PairEntry;
+pub(crate) use sizes::grading;
 pub use step_kind::StepKind;
 pub use unit::Unit;
 
@@ -107,10 +108,10 @@ pub struct Scene {
     pub variety: u32,
     /// Circumscribed diameter d of each shape \[m\]. If neither `diameter` nor `size` nor `mass` is
     /// given: [`DEFAULT_DIAMETER`] for a parametric shape, the size in the file for a file.
-    #[serde(deserialize_with = "perhaps_in_metres")]
+    #[serde(deserialize_with = "in_metres")]
     pub diameter: Option<f64>,
     /// Size of parametric shapes by their own measure \[m\].
-    #[serde(deserialize_with = "perhaps_in_metres")]
+    #[serde(deserialize_with = "in_metres")]
     pub size: Option<f64>,
     /// Mass of a body of each shape \[kg\].
     pub mass: Option<f64>,

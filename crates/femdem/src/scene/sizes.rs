@@ -5,6 +5,7 @@ use femdem_view::output::short_number;
 
 use super::{Scene, metres, words};
 use crate::Error;
+use crate::error::wrong;
 use crate::results::percent;
 
 /// What is written where sizes are expected.
@@ -75,6 +76,21 @@ fn parameters(text: &str) -> Option<(f64, f64, Option<[f64; 2]>)> {
         None => None,
     };
     parts.next().is_none().then_some((size, number, limits))
+}
+
+/// The grading that `sizes` or `sieve` of an entry gives, if one of them does.
+pub(crate) fn grading(sizes: Option<&str>, sieve: Option<&str>) -> Result<Option<Grading>, Error> {
+    let text = match (sizes, sieve) {
+        (None, None) => return Ok(None),
+        (Some(sizes), None) => sizes.to_owned(),
+        (None, Some(curve)) => format!("sieve:{curve}"),
+        (Some(_), Some(_)) => {
+            let allowed = "only one of the two";
+            return Err(wrong("sizes and sieve", "both", allowed));
+        }
+    };
+    let grading = parse(&text)?.grading();
+    grading.map(Some).map_err(words::in_words_of_scenes)
 }
 
 impl Scene {

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use femdem_mesh::Vector3;
 
 use super::SourceEntry;
+use super::kinds::{Kinds, mean_mass};
 use super::state::{Count, Flow, Gate, Opening, Supply};
 use crate::Error;
 use crate::error::wrong;
@@ -102,7 +103,7 @@ impl Simulation {
     /// Lets sources without another end go on to the end of a scene whose duration has changed.
     pub(in crate::run) fn extend_sources(&mut self, scene: &Scenario) -> Result<(), Error> {
         for (supply, entry) in self.flow.supplies.iter_mut().zip(&scene.source) {
-            supply.most = entry.most(supply.mass, supply.rate, scene.duration)?;
+            supply.most = entry.most(mean_mass(&supply.kinds), supply.rate, scene.duration)?;
         }
         Ok(())
     }
@@ -140,26 +141,20 @@ impl Simulation {
         entry.check()?;
         let density = scene.material(&entry.material)?.density()?;
         let material = scene.material_id(&entry.material)?;
-        let geometry = entry.geometry()?;
-        self.note(geometry.note.as_ref());
-        let shape = self.add_shape(name, &geometry)?;
-        let volume = self.world.shapes()[shape as usize].volume;
-        let mass = density * volume;
-        let rate = entry.bodies_per_second(mass)?;
+        let of_time = (density, scene.duration);
+        let Kinds { kinds, rate, most } = Kinds::new(self, entry, name, of_time)?;
         let [lower, upper] = entry.corners();
         Ok(Supply {
             name: name.to_owned(),
-            shape,
+            kinds,
             density,
             material,
-            mass,
-            radius: self.reach_of(shape),
             lower,
             upper,
             places: entry.places.clone(),
             velocity: entry.velocity,
             rate,
-            most: entry.most(mass, rate, scene.duration)?,
+            most,
             start: entry.start,
             end: entry.end.unwrap_or(f64::MAX),
             seed: entry.seed,

@@ -1,13 +1,14 @@
 //! Sinks, gauges and sources of a scenario.
 
 use femdem_mesh::Vector3;
+use femdem_pack::Grading;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::error::wrong;
 use crate::run::geometry::Geometry;
 use crate::run::{BodyEntry, BoxEntry, PlaneEntry};
-use crate::scene::{Unit, perhaps_in_metres};
+use crate::scene::{Unit, grading, in_metres};
 
 /// A whole number of bodies is not lost to rounding.
 pub(super) const WHOLE: f64 = 1e-9;
@@ -36,11 +37,17 @@ pub struct SourceEntry {
     /// A parametric shape, or the path of a surface file.
     pub shape: String,
     /// Circumscribed diameter \[m\].
-    #[serde(deserialize_with = "perhaps_in_metres")]
+    #[serde(deserialize_with = "in_metres")]
     pub diameter: Option<f64>,
     /// Size of a parametric shape by its own measure \[m\], instead of `diameter`.
-    #[serde(deserialize_with = "perhaps_in_metres")]
+    #[serde(deserialize_with = "in_metres")]
     pub size: Option<f64>,
+    /// Sizes of its bodies with their shares of the mass or a distribution, as in a pack, instead of `diameter` and `size`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sizes: Option<String>,
+    /// Sieve curve of its bodies by mass, in the same way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sieve: Option<String>,
     /// Unit of the coordinates in a file.
     pub unit: Unit,
     /// Whether small faults of a surface file are mended.
@@ -50,10 +57,13 @@ pub struct SourceEntry {
     /// Material, by name.
     pub material: String,
     /// Lowest corner of the box in which centroids are placed \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub lower: [f64; 3],
     /// Highest corner \[m\].
+    #[serde(deserialize_with = "in_metres")]
     pub upper: [f64; 3],
     /// Places of the centroids \[m\], one for each body in this order, instead of a box: what a crane does.
+    #[serde(deserialize_with = "in_metres")]
     pub places: Vec<[f64; 3]>,
     /// Bodies per second.
     pub rate: Option<f64>,
@@ -97,11 +107,21 @@ impl GateEntry {
 }
 
 impl SourceEntry {
-    /// The shape of its bodies.
-    pub(super) fn geometry(&self) -> Result<Geometry, Error> {
+    /// The sizes of its bodies, if they have several.
+    pub(super) fn grading(&self) -> Result<Option<Grading>, Error> {
+        let grading = grading(self.sizes.as_deref(), self.sieve.as_deref())?;
+        if grading.is_some() && self.diameter.or(self.size).is_some() {
+            let allowed = "only one of the four";
+            return Err(wrong("sizes, sieve, diameter and size", "several", allowed));
+        }
+        Ok(grading)
+    }
+
+    /// The shape of its bodies; of a diameter of 1 m if they have several sizes.
+    pub(super) fn geometry(&self, has_sizes: bool) -> Result<Geometry, Error> {
         let body = BodyEntry {
             shape: Some(self.shape.clone()),
-            diameter: self.diameter,
+            diameter: if has_sizes { Some(1.0) } else { self.diameter },
             size: self.size,
             unit: self.unit,
             repair: self.repair,

@@ -5,6 +5,7 @@
 
 mod begin;
 mod entry;
+mod kinds;
 mod rows;
 mod state;
 mod step;

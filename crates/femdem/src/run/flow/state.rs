@@ -3,11 +3,11 @@
 use femdem_contact::MaterialId;
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::{Pose, Vector3};
-use femdem_pack::{body_stream, random_rotation, uniform};
-use femdem_solve::ShapeId;
+use femdem_pack::{body_stream, random_rotation, shuffled, uniform};
 use serde::{Deserialize, Serialize};
 
 use super::entry::WHOLE;
+use super::kinds::{Kind, mean_mass};
 
 /// What comes, goes and is counted in a simulation, and which walls open.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -85,6 +85,11 @@ impl Flow {
         self.supplies.iter().map(Supply::mass_to_come).sum()
     }
 
+    /// Bodies that sources will have brought by a time \[s\], if there is room.
+    pub(in crate::run) fn due(&self, time: f64) -> u64 {
+        self.supplies.iter().map(|supply| supply.due(time)).sum()
+    }
+
     /// Corners of the boxes in which bodies are still to come \[m\].
     pub(in crate::run) fn boxes(&self) -> impl Iterator<Item = [Vector3; 2]> {
         let open = self.supplies.iter().filter(|s| s.mass_to_come() > 0.0);
@@ -102,14 +107,10 @@ impl Flow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Supply {
     pub name: String,
-    /// Its bodies, at rest.
-    pub shape: ShapeId,
+    /// By rising size; at least one.
+    pub kinds: Vec<Kind>,
     pub density: f64,
     pub material: MaterialId,
-    /// Mass of one \[kg\].
-    pub mass: f64,
-    /// Distance of the farthest point from the centroid \[m\].
-    pub radius: f64,
     /// Corners of the box for the centroids \[m\].
     pub lower: [f64; 3],
     pub upper: [f64; 3],
@@ -130,6 +131,19 @@ pub struct Supply {
 }
 
 impl Supply {
+    /// The kind of the next body: the sizes come in an order of the seed, and each has come as often as it should at the end.
+    pub(super) fn next_kind(&self) -> Kind {
+        let number = self.kinds[self.kinds.len() - 1].end;
+        let next = (self.come.bodies as u64 % u64::from(number)) as u32;
+        let place = shuffled(next, number, self.seed);
+        self.kinds[self.kinds.partition_point(|kind| kind.end <= place)]
+    }
+
+    /// The kind of the largest size.
+    pub fn largest(&self) -> &Kind {
+        &self.kinds[self.kinds.len() - 1]
+    }
+
     /// Number of bodies that should have come by a time \[s\].
     pub(super) fn due(&self, time: f64) -> u64 {
         let due = self.rate * (time.min(self.end) - self.start) + WHOLE;
@@ -145,7 +159,7 @@ impl Supply {
     /// Mass of the bodies that are still to come \[kg\].
     pub fn mass_to_come(&self) -> f64 {
         let left = self.most.saturating_sub(self.come.bodies as u64);
-        left as f64 * self.mass
+        left as f64 * mean_mass(&self.kinds)
     }
 
     /// The next place to be tried: a centroid and an orientation.

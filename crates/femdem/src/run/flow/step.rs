@@ -3,7 +3,8 @@
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_solve::{BodySpec, ShapeId};
 
-use super::Supply;
+use super::kinds::Kind;
+use super::state::Supply;
 use crate::Error;
 use crate::run::{Member, Simulation};
 
@@ -85,17 +86,24 @@ impl Simulation {
                     break;
                 }
                 let place = self.flow.supplies[k].next_place();
-                let radius = self.flow.supplies[k].radius;
+                let kind = self.flow.supplies[k].next_kind();
+                let radius = kind.radius;
                 let x = place.translation.vector;
                 let free =
                     |(at, reach): &(Vector3, f64)| self.between(at, &x).norm() >= radius + reach;
                 if others.iter().all(free) && self.is_off_walls(&x, radius) {
-                    self.bring(k, &place)?;
+                    self.bring(k, kind, &place)?;
                     others.push((x, radius));
                 }
             }
         }
         Ok(())
+    }
+
+    /// Bodies that sources will have brought by a time \[s\], if there is room for them.
+    #[must_use]
+    pub fn bodies_due(&self, time: f64) -> u64 {
+        self.flow.due(time)
     }
 
     /// Says which sources have brought fewer bodies than are due.
@@ -136,13 +144,13 @@ impl Simulation {
     }
 
     /// Adds the next body of a source, with its centroid and orientation at `place`.
-    fn bring(&mut self, k: usize, place: &Pose) -> Result<(), Error> {
+    fn bring(&mut self, k: usize, kind: Kind, place: &Pose) -> Result<(), Error> {
         let supply = &self.flow.supplies[k];
-        let polyhedron = &self.world.shapes()[supply.shape as usize].polyhedron;
+        let polyhedron = &self.world.shapes()[kind.shape as usize].polyhedron;
         let centroid = polyhedron.mass_properties().centroid;
         let pose = place * Pose::from_parts((-centroid.coords).into(), Default::default());
         let id = self.world.add_body(BodySpec {
-            shape: supply.shape,
+            shape: kind.shape,
             density: supply.density,
             pose,
             velocity: Vector3::from(supply.velocity),
@@ -150,8 +158,7 @@ impl Simulation {
             material: supply.material,
         })?;
         let name = format!("{} {}", supply.name, self.members.len());
-        let mass = supply.mass;
-        self.flow.supplies[k].come.add(1, mass);
+        self.flow.supplies[k].come.add(1, kind.mass);
         let member = Member {
             name,
             id,

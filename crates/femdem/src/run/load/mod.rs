@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::Member;
 use crate::Error;
 use crate::error::wrong;
+use crate::scene::in_metres;
 
 /// A load on bodies: exactly one of `force`, `torque`, `acceleration` and `force-density`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,6 +30,7 @@ pub struct LoadEntry {
     /// Force over the volume of each rigid body \[N/m³\].
     pub force_density: Option<[f64; 3]>,
     /// Point of each rigid body at which `force` acts, in the coordinates of its shape \[m\]. `None`: the centroid.
+    #[serde(deserialize_with = "in_metres")]
     pub point: Option<[f64; 3]>,
     /// The axes of the vector.
     pub axes: Axes,
