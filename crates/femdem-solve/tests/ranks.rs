@@ -4,6 +4,7 @@
 
 use crate::common::ranks::Threads;
 use femdem_contact::{ContactParameters, MaterialId, Wall};
+use femdem_fem::Driven;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Translation3, UnitQuaternion};
 use femdem_mesh::{Pose, Vector3};
@@ -79,7 +80,7 @@ fn pile(sleeping: bool) -> World {
 }
 
 /// What the ranks have made of it: the whole, how many bodies changed their rank, and bytes a step and guest.
-fn on_ranks(world: &World, size: usize, steps: u32) -> (World, usize, f64) {
+pub fn on_ranks(world: &World, size: usize, steps: u32) -> (World, usize, f64) {
     let parts = Threads::each(size, |halo| {
         let mut world = world.clone();
         world.share_out(halo).unwrap();
@@ -277,8 +278,8 @@ fn what_cannot_be_shared_is_said() {
     let spec = BodySpec::at_rest(0, 2500.0, Pose::translation(0.3, 0.1, 1.0));
     let refused = world.add_body(spec).unwrap_err().to_string();
     assert!(refused.contains("were removed"), "{refused}");
-    let mut driven = pile(true);
-    driven.drive_body(0, Some(Drive::Fixed)).unwrap();
-    let refused = driven.share_out(&mut Alone).unwrap_err();
-    assert!(refused.to_string().contains("driven bodies"), "{refused}");
+    let mut hosted = pile(true);
+    hosted.drive_body_by_host(0, Driven::default()).unwrap();
+    let refused = hosted.share_out(&mut Alone).unwrap_err().to_string();
+    assert!(refused.contains("bodies that a host moves"), "{refused}");
 }

@@ -244,6 +244,7 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, or a node that its model does not have.
     pub fn set_boundary(&mut self, id: BodyId, boundary: Boundary) -> Result<(), SolveError> {
         self.known_deformable(id)?;
+        self.not_shared("changing conditions of bodies")?;
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
