@@ -122,10 +122,12 @@ impl World {
             whole.step_control.join(&control);
         }
         // All numbers of the whole are among what came, before lists of so many are made.
-        if all.members.len() + share.whole.vacant.len() != share.whole.total as usize {
+        let Whole { total, vacant, .. } = &share.whole;
+        let fits = all.members.iter().all(|member| member.number < *total);
+        if !fits || all.members.len() + vacant.len() != *total as usize {
             return Err(ranks("the ranks do not have all bodies of the whole"));
         }
-        whole.put_all(share.whole.total, all)?;
+        whole.put_all(*total, all)?;
         whole.renew_cap(&mut Alone)?;
         Ok(Some(whole))
     }

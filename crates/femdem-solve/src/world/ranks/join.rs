@@ -78,7 +78,9 @@ impl World {
     #[must_use]
     pub fn count_in_whole(&self) -> usize {
         let share = self.share.as_deref();
-        share.map_or(self.body_count(), |s| s.whole.total as usize - s.whole.vacant.len())
+        share.map_or(self.body_count(), |s| {
+            s.whole.total as usize - s.whole.vacant.len()
+        })
     }
 
     /// The bodies here that belong to no other rank and whose numbers in the whole are at least `number`, ascending.

@@ -204,7 +204,9 @@ impl World {
     }
 
     fn can_be_shared(&self) -> Result<(), SolveError> {
-        let breakable = self.own_nodes().any(|(_, nodes, _)| nodes.breakable.is_some());
+        let breakable = self
+            .own_nodes()
+            .any(|(_, nodes, _)| nodes.breakable.is_some());
         let of_bodies = self.live_bodies();
         let of_bodies = of_bodies.filter_map(|(_, body)| body.driven.as_deref());
         let mut guides = of_bodies.chain(&self.wall_drives);
@@ -259,11 +261,7 @@ impl World {
     }
 
     /// The largest of the speeds of driven bodies that the ranks give, m/s.
-    pub(super) fn fastest_driven(
-        &self,
-        own: f64,
-        halo: &mut dyn Halo,
-    ) -> Result<f64, SolveError> {
+    pub(super) fn fastest_driven(&self, own: f64, halo: &mut dyn Halo) -> Result<f64, SolveError> {
         let share = self.share.as_deref();
         let mut least = [-own];
         if share.is_some_and(|share| !share.whole.guides.is_empty()) {

@@ -207,7 +207,10 @@ impl Share {
             _ => all >= bodies,
         });
         let lasts = lists_of_numbers.map(|list| list.last());
-        let fits = lasts.into_iter().flatten().all(|last| *last < self.whole.total);
+        let fits = lasts
+            .into_iter()
+            .flatten()
+            .all(|last| *last < self.whole.total);
         self.cuts.is_sound()
             && counted
             && ascending
@@ -222,6 +225,7 @@ impl Share {
 #[cfg(test)]
 mod tests {
     use super::super::Cuts;
+    use super::super::cuts::tests::OneOf;
     use super::*;
     use crate::body::BodySpec;
     use crate::halo::Alone;
@@ -269,5 +273,8 @@ mod tests {
         .unwrap();
         let refused = full.add_body(at(5.0)).unwrap_err().to_string();
         assert!(refused.contains("no more numbers"), "{refused}");
+        // No lists of so many are made.
+        let gathered = full.gather(&mut OneOf(2)).unwrap_err().to_string();
+        assert!(gathered.contains("do not have all bodies"), "{gathered}");
     }
 }

@@ -120,7 +120,9 @@ impl World {
             if !self.is_followed(guest) {
                 continue;
             }
-            let count = self.nodes_of(guest).map_or(NUMBERS, State::count_of_numbers);
+            let count = self
+                .nodes_of(guest)
+                .map_or(NUMBERS, State::count_of_numbers);
             let (own, rest) = bytes.split_at_checked(8 * count).ok_or_else(wrong)?;
             let numbers = own.chunks_exact(8).map(|word| {
                 // Eight bytes each.
@@ -132,7 +134,11 @@ impl World {
             }
             bytes = rest;
         }
-        if bytes.is_empty() { Ok(()) } else { Err(wrong()) }
+        if bytes.is_empty() {
+            Ok(())
+        } else {
+            Err(wrong())
+        }
     }
 
     fn place_rigid(&mut self, guest: BodyId, own: impl Iterator<Item = f64>) {
