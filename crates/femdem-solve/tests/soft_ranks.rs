@@ -161,12 +161,6 @@ fn deformable_bodies_have_the_same_bits_on_any_ranks() {
             slept += usize::from(after < before);
             woke += usize::from(after > before);
         }
-        println!(
-            "slept {slept} woke {woke} awake {} {} t {}",
-            alone.awake_count(),
-            alone.awake_deformable_count(),
-            alone.time()
-        );
         assert_eq!(slept > 0, sleeping, "bodies fell asleep in {slept} steps");
         assert_eq!(woke > 0, sleeping, "bodies woke in {woke} steps");
         let flown = alone.ledger().dissipated_plastic;
@@ -180,7 +174,6 @@ fn deformable_bodies_have_the_same_bits_on_any_ranks() {
         let sizes: &[usize] = if sleeping { &[1, 2, 3, 4] } else { &[2, 4] };
         for &size in sizes {
             let (whole, moved, traffic) = on_ranks(&world, size, steps);
-            println!("{size} moved {moved} traffic {traffic}");
             assert!(traffic <= 1.06, "{traffic}");
             assert_eq!(state(&whole), found, "{size} ranks");
             assert_eq!(
