@@ -1,7 +1,7 @@
 //! Bodies are given to the ranks in whose boxes they are, and lent to those near them.
 
 use super::parts::{Parts, bodies_of};
-use super::{Cuts, Link, Share, Until, Whole, ranks};
+use super::{Cuts, Link, Share, Until, WAY, Whole, ranks};
 use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
@@ -13,21 +13,12 @@ use femdem_contact::{BodyId, PairRecord};
 use femdem_mesh::Vector3;
 use std::collections::BTreeMap;
 
-/// How far a body may travel before all are dealt anew, over the largest radius; the last step adds at most
-/// [`LARGEST_MOVE`].
-const WAY: f64 = 0.5;
-
 /// Two bodies become candidates at a distance of at most this many times the sum of their radii: their skins, and what they have
 /// moved since they were looked up.
 const SKINS: f64 = 1.1;
 
 /// Space is cut anew when the rank of the largest cost has this many times the mean.
 const UNEVEN: f64 = 1.1;
-
-/// How far a body may travel before all are dealt anew, m, by the largest radius.
-pub(super) fn way(largest: f64) -> f64 {
-    WAY * largest
-}
 
 impl World {
     /// Keeps the part of this rank of a world that all have whole.
@@ -248,7 +239,7 @@ impl World {
         halo: &dyn Halo,
     ) -> Result<(), SolveError> {
         let largest = whole.largest;
-        let (rank, reach, way) = (halo.rank(), self.reach(largest), way(largest));
+        let (rank, reach, way) = (halo.rank(), self.reach(largest), whole.way());
         let mut links: BTreeMap<usize, (Vec<BodyId>, Vec<BodyId>)> = BTreeMap::new();
         let (mut kept, mut until) = (Vec::new(), Vec::new());
         for member in parts.members {

@@ -1,6 +1,5 @@
 //! Bodies that are added to a shared world, and what all ranks know of the bodies of the whole.
 
-use super::deal::way;
 use super::{Link, Share, Until, ranks};
 use crate::body::Body;
 use crate::checkpoint;
@@ -58,7 +57,7 @@ impl World {
         };
         share.numbers.push(number);
         share.until.push(Until {
-            travelled: body.travelled + way(share.whole.largest),
+            travelled: body.travelled + share.whole.way(),
             radius: body.radius,
         });
         share.holds.push(false);

@@ -24,6 +24,10 @@ pub(super) use join::Whose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
+/// How far a body may travel before all are dealt anew, over the largest radius; the last step adds at most
+/// [`LARGEST_MOVE`].
+const WAY: f64 = 0.5;
+
 /// What a rank knows of the others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Share {
@@ -57,6 +61,11 @@ pub(super) struct Whole {
 }
 
 impl Whole {
+    /// How far a body may travel before all are dealt anew, m.
+    fn way(&self) -> f64 {
+        WAY * self.largest
+    }
+
     /// Of a world that has all bodies.
     fn of(world: &World, largest: f64) -> Self {
         let total = world.bodies.len() as BodyId;
