@@ -11,8 +11,9 @@ use crate::command::{apt_get, cargo, passed, runs};
 /// The package, from the workspace root: a workspace of its own.
 const PACKAGE: &str = "crates/femdem-mpi";
 
-/// The scene, in the package.
+/// The scenes, in the package: of rigid bodies, and of deformable ones among rigid ones.
 const SCENE: &str = "scenes/pile.toml";
+const SOFT_SCENE: &str = "scenes/soft.toml";
 
 /// What is needed, as a program and as the packages of Debian that have it.
 const TOOLS: [(&str, &[&str]); 2] = [
@@ -23,8 +24,11 @@ const TOOLS: [(&str, &[&str]); 2] = [
 /// Ranks, and threads of each.
 const RUNS: [[usize; 2]; 6] = [[1, 1], [2, 1], [3, 1], [4, 1], [1, 2], [2, 2]];
 
+const SOFT_RUNS: [[usize; 2]; 3] = [[1, 1], [2, 1], [4, 1]];
+
 /// Steps after which one run is stopped, to go on with another number of ranks.
 const STOP: &str = "600";
+const SOFT_STOP: &str = "200";
 
 /// Options of the pack, which is relaxed on the way and at its end.
 const PACK: [&str; 8] = [
@@ -87,30 +91,47 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
         fs::remove_dir_all(&place)?;
     }
     fs::create_dir_all(&place)?;
-    Ok(runs_are_same(root, &programs, &place)? & packs_are_same(&programs, &place)?)
+    let runs = |scene, runs: &[[usize; 2]], stop, place| {
+        runs_are_same(
+            &root.join(PACKAGE).join(scene),
+            runs,
+            stop,
+            &programs,
+            place,
+        )
+    };
+    Ok(runs(SCENE, &RUNS, STOP, &place.join("rigid"))?
+        & runs(SOFT_SCENE, &SOFT_RUNS, SOFT_STOP, &place.join("soft"))?
+        & packs_are_same(&programs, &place)?)
 }
 
-fn runs_are_same(root: &Path, programs: &Path, place: &Path) -> Result<bool> {
-    let scene = root.join(PACKAGE).join(SCENE);
+/// Runs a scene over ranks and threads, and once more with a stop after so many steps.
+fn runs_are_same(
+    scene: &Path,
+    runs: &[[usize; 2]],
+    stop: &str,
+    programs: &Path,
+    place: &Path,
+) -> Result<bool> {
     let alone = place.join("alone");
     let mut femdem = Command::new(programs.join("femdem"));
-    femdem.arg("run").arg(&scene).arg("--out").arg(&alone);
+    femdem.arg("run").arg(scene).arg("--out").arg(&alone);
     ensure!(passed(femdem.arg("--quiet"))?, "femdem run has failed");
 
     let mpi = programs.join("femdem-mpi");
     let mut good = true;
-    for [ranks, threads] in RUNS {
+    for &[ranks, threads] in runs {
         println!("{ranks} ranks of {threads} threads");
         let out = place.join(format!("{ranks}-{threads}"));
         let mut command = over(ranks, &mpi);
-        command.arg("run").arg(&scene).arg("--out").arg(&out);
+        command.arg("run").arg(scene).arg("--out").arg(&out);
         command.args(["--threads", &threads.to_string()]);
         good &= passed(&mut command)? && same(&alone, &out, "frames")?;
     }
     let out = place.join("restart");
     let mut command = over(4, &mpi);
-    command.arg("run").arg(&scene).arg("--out").arg(&out);
-    good &= passed(command.args(["--steps", STOP]))?;
+    command.arg("run").arg(scene).arg("--out").arg(&out);
+    good &= passed(command.args(["--steps", stop]))?;
     good &= passed(over(3, &mpi).arg("resume").arg(&out))? && same(&alone, &out, "frames")?;
     Ok(good)
 }

@@ -1,6 +1,6 @@
 //! Ranks of femdem that talk by MPI.
 //!
-//! For runs of rigid bodies that take too long on one machine: [`MpiHalo`] is the [`Halo`] of
+//! For runs that take too long on one machine: [`MpiHalo`] is the [`Halo`] of
 //! [`World::share_out`](femdem::solve::World::share_out) and [`step_on`](femdem::solve::World::step_on), and the program
 //! `femdem-mpi` runs scenes over ranks. Not for one machine with shared memory: there the threads of `femdem` do the same with
 //! less.

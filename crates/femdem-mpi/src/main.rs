@@ -1,4 +1,4 @@
-//! `femdem-mpi`: packs and scenes of rigid bodies over several processes.
+//! `femdem-mpi`: packs and scenes over several processes.
 //!
 //! `mpirun -n 4 femdem-mpi pack --count 10000` and `mpirun -n 4 femdem-mpi run scene.toml`; the results are those of
 //! `femdem pack` and `femdem run`, to the last bit of the motion.
@@ -22,7 +22,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Makes packs and runs scenes of rigid bodies over the processes that mpirun starts.
+/// Makes packs and runs scenes over the processes that mpirun starts.
 #[derive(Parser)]
 #[command(name = "femdem-mpi", version)]
 struct Cli {

@@ -32,6 +32,7 @@ mod rolling;
 mod sleeping;
 mod sliding;
 mod soft_cells;
+mod soft_ranks;
 mod spheres;
 mod step_size;
 mod turning;

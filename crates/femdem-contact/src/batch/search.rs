@@ -68,7 +68,8 @@ impl ContactBatch {
         let near = |centre: &Vector3, radius: f64| {
             near_walls(shapes, walls, centre, wall_reach(radius, skin))
         };
-        Ok(part.list_pairs(&self.broadphase, space, near))
+        let is_guest = |body| self.pairs.is_guest(body);
+        Ok(part.list_pairs(&self.broadphase, space, near, is_guest))
     }
 
     /// Refuses motions of awake bodies, and of those that were never entered, before anything is changed by them.

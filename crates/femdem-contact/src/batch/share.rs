@@ -1,32 +1,44 @@
 //! Batches that share the bodies of a whole: what one knows of a body and of a pair, to be handed to another.
 //!
 //! A body belongs to one batch; others near it have it as a guest. Of a pair with a guest both batches have their own copy, and
-//! evaluate it to the same bits. A pair is on the books of the batch that its B belongs to.
+//! evaluate it to the same bits. A pair is on the books of the batch that its B belongs to. Of a deformable body its owner sums what
+//! contacts do to its nodes.
 
 use super::ContactBatch;
 use super::pairs::{Pair, PairTable};
 use crate::body_shape::Kind;
 use crate::broadphase::Entry;
 use crate::contact::{BodyId, Load, Partner};
+use crate::deform::{DeformablePart, Side, Sleep, SoftBody, SoftPair};
 use crate::error::{ContactError, check};
 use crate::laws::MaterialId;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// What a batch knows of a rigid body alone.
+/// What a batch knows of a body alone.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct BodyRecord {
+    /// Of a rigid body, as whether it is awake, and its load.
     shape: u32,
-    material: MaterialId,
     awake: bool,
     load: Load,
+    /// How deformable bodies see it.
+    sleep: Sleep,
+    material: MaterialId,
     entry: Option<Entry>,
+    /// Of a deformable body.
+    soft: Option<Box<SoftBody>>,
 }
 
 impl BodyRecord {
-    /// Whether the body is awake.
-    pub fn is_awake(&self) -> bool {
+    /// Whether it is that of a rigid body that is awake.
+    pub fn is_awake_rigid(&self) -> bool {
         self.awake
+    }
+
+    /// The distance from the mean of the nodes of a deformable body within which they stay until it is next looked up, m.
+    pub fn reach(&self) -> Option<f64> {
+        Some(self.soft.as_deref()?.reach)
     }
 }
 
@@ -35,18 +47,34 @@ pub type BodyRecords = Vec<(BodyId, BodyRecord)>;
 
 /// A candidate pair: what it remembers, and its contacts.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct PairRecord(Pair);
+pub struct PairRecord(Candidate);
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+enum Candidate {
+    Rigid(Box<Pair>),
+    /// With a deformable body.
+    Soft(Box<SoftPair>),
+}
 
 impl PairRecord {
     /// Its sides.
     pub fn sides(&self) -> (Partner, BodyId) {
-        (self.0.a, self.0.b)
+        match &self.0 {
+            Candidate::Rigid(pair) => (pair.a, pair.b),
+            Candidate::Soft(pair) => (pair.a.into(), pair.b),
+        }
     }
 
-    /// Gives the bodies other numbers. `None` if one of them has none.
+    /// Gives the bodies other numbers, in the same order. `None` if one of them has none.
     #[must_use]
-    pub fn renumbered(mut self, number: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
-        let pair = &mut self.0;
+    pub fn renumbered(self, number: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+        let mut pair = match self.0 {
+            Candidate::Rigid(pair) => pair,
+            Candidate::Soft(pair) => {
+                let pair = pair.renumbered(number)?;
+                return Some(Self(Candidate::Soft(Box::new(pair))));
+            }
+        };
         if let Partner::Body(a) = pair.a {
             pair.a = Partner::Body(number(a)?);
         }
@@ -55,34 +83,79 @@ impl PairRecord {
         for contact in pair.records_mut() {
             (contact.a, contact.b) = (a, b);
         }
-        Some(self)
+        Some(Self(Candidate::Rigid(pair)))
+    }
+
+    /// Whether its bodies and its wall are there, as those of such a pair.
+    fn fits(&self, is_there: impl Fn(BodyId, bool) -> bool, is_wall: impl Fn(u32) -> bool) -> bool {
+        match &self.0 {
+            Candidate::Rigid(pair) => {
+                let a_is_there = match pair.a {
+                    Partner::Body(a) => a < pair.b && is_there(a, false),
+                    Partner::Wall(wall) => is_wall(wall),
+                };
+                a_is_there && is_there(pair.b, false)
+            }
+            Candidate::Soft(pair) => {
+                let a_is_there = match pair.a {
+                    Side::Deformable(a) => a <= pair.b && is_there(a, true),
+                    Side::Rigid(a) => is_there(a, false),
+                    Side::Wall(wall) => is_wall(wall),
+                };
+                a_is_there && is_there(pair.b, true)
+            }
+        }
     }
 }
 
 impl ContactBatch {
-    /// Takes all bodies out, with their pairs. Walls stay.
+    /// Takes all bodies out, with their pairs. Walls and shapes stay.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] if there are deformable bodies or bonds: they cannot be shared out. Nothing is taken then.
+    /// [`ContactError::Parameter`] if there are bonds, or contacts whose friction [begins](Self::begin_friction) in the next update:
+    /// they cannot be shared out. Nothing is taken then.
     pub fn take_bodies(&mut self) -> Result<(BodyRecords, Vec<PairRecord>), ContactError> {
         let allowed = "0 in a batch whose bodies are shared out";
         for (name, count) in [
-            ("number of deformable bodies", self.deformable_count()),
             ("number of bonds", self.bonds().count()),
+            (
+                "number of contacts whose friction begins",
+                usize::from(self.begins_friction()),
+            ),
         ] {
             check(name, count as f64, count == 0, allowed)?;
         }
-        let record = |id: BodyId| BodyRecord {
+        let mut part = self.deformable.take();
+        let mut record = |id: BodyId| BodyRecord {
             shape: self.body_shapes[id as usize],
-            material: self.materials.of_bodies[id as usize],
             awake: self.awake[id as usize],
             load: self.sums.loads[id as usize],
+            sleep: part.as_ref().map_or(Sleep::Awake, |p| p.rigid_sleep(id)),
+            material: self.materials.of_bodies[id as usize],
             entry: self.broadphase.entry(id as usize),
+            soft: part.as_mut().and_then(|p| p.take_body(id)),
         };
-        let bodies = self.rigid_ids().map(|id| (id, record(id))).collect();
-        let pairs = self.pairs.take();
+        let bodies = self.body_ids().map(|id| (id, record(id))).collect();
+        let soft = part.as_mut().map_or_else(Vec::new, |p| p.take_pairs());
+        self.deformable = part;
+        let rigid = self.pairs.take().into_iter();
+        let rigid = rigid.map(|pair| Candidate::Rigid(Box::new(pair)));
+        let soft = soft.into_iter().map(|pair| Candidate::Soft(Box::new(pair)));
+        let pairs = rigid.chain(soft).map(PairRecord).collect();
         self.give_bodies(0, Vec::new(), Vec::new())?;
-        Ok((bodies, pairs.into_iter().map(PairRecord).collect()))
+        Ok((bodies, pairs))
+    }
+
+    /// Whether friction of deformable bodies [begins](Self::begin_friction) in the next update.
+    pub fn begins_friction(&self) -> bool {
+        let part = self.deformable.as_deref();
+        part.is_some_and(DeformablePart::begins_friction)
+    }
+
+    /// Running bound of the distance that any node of a deformable body has travelled, and the distance from the mean of its nodes
+    /// within which they stay until it is next looked up, m.
+    pub fn way_and_reach(&self, body: BodyId) -> Option<[f64; 2]> {
+        self.deformable.as_ref()?.way_and_reach(body)
     }
 
     /// Gives a batch without bodies its bodies: each with its number, ascending and below `total`, and whether it is a guest.
@@ -105,16 +178,24 @@ impl ContactBatch {
         let length = total as usize;
         let mut kinds = vec![Kind::Convex; length];
         for (id, record, _) in &bodies {
-            kinds[*id as usize] = self.known_shape(record.shape)?.kind();
+            match (&record.soft, &self.deformable) {
+                (None, _) => kinds[*id as usize] = self.known_shape(record.shape)?.kind(),
+                (Some(body), Some(part)) => part.check_shape(body)?,
+                (Some(body), None) => {
+                    let what = "shape of deformable bodies";
+                    return Err(no_such(what, body.shape as usize, 0));
+                }
+            }
         }
-        let is_there = |id: BodyId| bodies.binary_search_by_key(&id, |(id, ..)| *id).is_ok();
-        for PairRecord(pair) in &pairs {
-            let a_is_there = match pair.a {
-                Partner::Body(a) => a < pair.b && is_there(a),
-                Partner::Wall(wall) => self.wall_slots.holds(wall),
-            };
-            if !a_is_there || !is_there(pair.b) {
-                return Err(no_such("body of a pair", pair.b as usize, bodies.len()));
+        let is_there = |id: BodyId, soft: bool| {
+            let at = bodies.binary_search_by_key(&id, |(id, ..)| *id);
+            at.is_ok_and(|at| bodies[at].1.soft.is_some() == soft)
+        };
+        let is_wall = |wall| self.wall_slots.holds(wall);
+        for pair in &pairs {
+            if !pair.fits(is_there, is_wall) {
+                let b = pair.sides().1 as usize;
+                return Err(no_such("body of a pair", b, bodies.len()));
             }
         }
         self.body_slots = bodies.iter().map(|(id, ..)| *id).collect();
@@ -127,6 +208,8 @@ impl ContactBatch {
         self.sums.loads = vec![Load::default(); length];
         self.broadphase.clear();
         let mut guests = vec![false; length];
+        let mut sleeps = vec![Sleep::Awake; length];
+        let mut soft_bodies = Vec::new();
         for (id, record, is_guest) in bodies {
             let i = id as usize;
             guests[i] = is_guest;
@@ -134,13 +217,28 @@ impl ContactBatch {
             self.materials.of_bodies[i] = record.material;
             self.awake[i] = record.awake;
             self.sums.loads[i] = record.load;
+            sleeps[i] = record.sleep;
             if let Some(entry) = record.entry {
                 self.broadphase.adopt(i, entry);
             }
+            if let Some(mut body) = record.soft {
+                body.is_guest = is_guest;
+                soft_bodies.push((id, body));
+            }
         }
-        let pairs = pairs.into_iter().map(|PairRecord(pair)| pair).collect();
-        self.pairs.give(kinds, guests, pairs);
+        let (mut rigid, mut soft) = (Vec::new(), Vec::new());
+        for PairRecord(pair) in pairs {
+            match pair {
+                Candidate::Rigid(pair) => rigid.push(*pair),
+                Candidate::Soft(pair) => soft.push(*pair),
+            }
+        }
+        self.pairs.give(kinds, guests, rigid);
         self.sum_wall_loads();
+        if let Some(part) = &mut self.deformable {
+            part.give(soft_bodies, sleeps, soft);
+        }
+        self.sum_loads();
         Ok(())
     }
 

@@ -113,7 +113,7 @@ mod turning;
 mod walk;
 
 pub use batch::FragmentShape;
-pub(crate) use batch::{Around, DeformablePart};
+pub(crate) use batch::{Around, DeformablePart, Sleep, SoftBody, SoftPair};
 pub use kernel::{DeformableKernel, DeformableOverlap, NodeForce};
 pub use operand::Operand;
 pub(crate) use pair::FrictionStart;

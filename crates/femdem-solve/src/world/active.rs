@@ -76,6 +76,10 @@ impl World {
             self.freeze(&sleepers);
             self.wake(&wakers);
         }
+        if self.may_rest_deformables() {
+            // They are told when these have been judged too.
+            return Ok(());
+        }
         self.tell_rest(halo)
     }
 
@@ -90,13 +94,23 @@ impl World {
     /// Whether anything moves as prescribed, now or within `ahead` (s): a wall, a rigid body, nodes or the periodic cell.
     pub fn is_driven(&self, ahead: f64) -> bool {
         let time = self.time;
+        let mut walls = self.wall_drives.iter();
+        let bodies = || match self.share.as_deref() {
+            Some(share) => share.is_driven(time, ahead),
+            None => self.has_driven_bodies(ahead),
+        };
+        self.cell().is_some_and(PeriodicCell::moves)
+            || walls.any(|(guide, _)| guide.is_active(time, ahead))
+            || bodies()
+    }
+
+    fn has_driven_bodies(&self, ahead: f64) -> bool {
+        let time = self.time;
         let bodies = self.awake.iter().map(|&i| &self.bodies[i as usize]);
-        let drives = bodies.filter_map(|body| body.driven.as_deref());
-        let mut guides = drives.chain(&self.wall_drives).map(|(guide, _)| guide);
+        let mut guides = bodies.filter_map(|body| body.driven.as_deref());
         let deformables = self.deformables.as_deref();
         let mut boundaries = deformables.into_iter().flat_map(|d| d.boundaries());
-        self.cell().is_some_and(PeriodicCell::moves)
-            || guides.any(|guide| guide.is_active(time, ahead))
+        guides.any(|(guide, _)| guide.is_active(time, ahead))
             || boundaries.any(|boundary| boundary.is_driven(time, ahead))
     }
 
@@ -110,8 +124,7 @@ impl World {
         if !self.is_driven(ahead) {
             return Ok(false);
         }
-        let rigid = !self.rigid_ids().all(|i| self.batch.is_awake(i));
-        let asleep = rigid || self.awake_deformable_count() < self.deformable_count();
+        let asleep = !self.batch.body_ids().all(|i| self.batch.is_awake(i));
         let wakes = is_any(asleep, halo)?;
         if wakes {
             self.wake_all();

@@ -350,13 +350,11 @@ impl World {
             let material = self.batch.material(i as u32).unwrap_or_default();
             control.see(contact(body), body, self.batch.laws().of(material));
         }
+        for (_, body, _) in self.own_nodes() {
+            control.see_elements(body.bound.critical_step().min(body.contact_step));
+        }
         control.share_steps(halo)?;
         self.step_control = control;
-        let deformables = self.deformables.as_deref();
-        for body in deformables.map_or(&[][..], |d| &d.bodies) {
-            let bound = body.bound.critical_step().min(body.contact_step);
-            self.step_control.see_elements(bound);
-        }
         Ok(())
     }
 }

@@ -14,8 +14,10 @@ impl World {
     /// Moves the awake bodies, the walls and the periodic cell from the present time by `dt`, s.
     pub(super) fn drift(&mut self, dt: f64, halo: &mut dyn Halo) -> Result<(), SolveError> {
         let end = self.time + dt;
-        for k in 0..self.awake.len() {
-            let i = self.awake[k] as usize;
+        let guests = self.driven_guests();
+        for k in 0..self.awake.len() + guests.len() {
+            let own = self.awake.get(k);
+            let i = *own.unwrap_or_else(|| &guests[k - self.awake.len()]) as usize;
             let body = &mut self.bodies[i];
             let mut seen = None;
             let moved = if let Some((guide, base)) = body.driven.as_deref().copied() {
@@ -40,6 +42,9 @@ impl World {
                 moved.is_finite() && (moved <= LARGEST_MOVE * body.radius || body.driven.is_some());
             if !sound {
                 return Err(self.blow_up(i));
+            }
+            if seen.is_some() {
+                self.check_way(i, moved)?;
             }
             self.motions[i] = self.bodies[i].motion();
             if let Some([velocity, angular_velocity]) = seen {

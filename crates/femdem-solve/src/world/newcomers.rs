@@ -118,7 +118,9 @@ impl World {
             return;
         }
         let kind = |c: &&Contact| self.newcomers.kind(c.a, c.b);
-        let brought = sums(self.deformable_contacts(), kind, |c| c.potential());
+        let booked = self.deformable_contacts();
+        let booked = booked.filter(|contact| !self.is_guest(contact.b));
+        let brought = sums(booked, kind, |c| c.potential());
         self.book(brought);
         self.newcomers = Newcomers::default();
     }

@@ -105,7 +105,7 @@ impl World {
         self.counters.body_steps += self.awake.len() as u64;
         self.end_bonds()?;
         self.update_active_set(halo)?;
-        self.rest_deformables()?;
+        self.rest_deformables(halo)?;
         self.crack_deformables()?;
         self.retire_cracks();
         Ok(())
@@ -136,7 +136,7 @@ impl World {
         });
         let bound = self.bound_at_touch(bound);
         // The bound at touch is the same on all ranks, and the least of the others.
-        let mut least = [bound, self.usual_step()?, self.slack()];
+        let mut least = [bound, self.usual_step(halo)?, self.slack()];
         halo.least(&mut least)?;
         let [bound, usual, slack] = least;
         if slack <= 0.0 {
@@ -167,8 +167,9 @@ impl World {
     }
 
     /// The step in which nothing moves far relative to what it may meet, s.
-    fn usual_step(&self) -> Result<f64, SolveError> {
-        let driving = self.driving();
+    fn usual_step(&self, halo: &mut dyn Halo) -> Result<f64, SolveError> {
+        let mut driving = self.driving();
+        driving.bodies = self.fastest_driven(driving.bodies, halo)?;
         // The root of speed t + pulled t^2/2 = way.
         let usual = |body: &Body, met: f64| {
             let (way, speed, pulled) = (

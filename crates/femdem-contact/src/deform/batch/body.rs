@@ -26,6 +26,8 @@ pub(super) const GRAIN: usize = 4;
 pub(crate) struct SoftBody {
     /// Whether it is there: its number may stand for a rigid body, or for none.
     pub is_there: bool,
+    /// Whether it belongs to another batch: see [`share`](super::share).
+    pub is_guest: bool,
     pub shape: u32,
     pub modulus: Modulus,
     /// Slowest elastic oscillation, rad/s; 0 if not known.
@@ -85,6 +87,7 @@ impl SoftBody {
     pub fn vacant() -> Self {
         Self {
             is_there: false,
+            is_guest: false,
             shape: 0,
             modulus: Modulus::Penalty(1.0),
             frequency: 0.0,
@@ -307,8 +310,8 @@ pub(crate) fn advance(bodies: &mut [SoftBody], states: &[NodalState]) -> Result<
     on_each(bodies, GRAIN, advance).into_iter().collect()
 }
 
-/// Sums the pairs' forces for every body whose forces may have changed; the others keep theirs. These are the bodies that are
-/// not frozen, and those that are `stirred`.
+/// Sums the pairs' forces for every body of the batch whose forces may have changed; the others keep theirs. These are the bodies
+/// that are not frozen, and those that are `stirred`.
 pub(crate) fn gather(
     bodies: &mut [SoftBody],
     pairs: &[SoftPair],
@@ -317,7 +320,7 @@ pub(crate) fn gather(
 ) {
     on_each(bodies, GRAIN, |i, body| {
         body.stirred = stirred[i] || body.sleep != Sleep::Frozen;
-        if body.stirred {
+        if body.stirred && !body.is_guest {
             body.gather(pairs, touching.of(i));
         }
     });

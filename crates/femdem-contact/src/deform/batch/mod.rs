@@ -14,6 +14,7 @@ mod prepare;
 mod remove;
 mod reshape;
 mod search;
+mod share;
 mod sleep;
 mod state;
 mod touching;
@@ -33,14 +34,14 @@ use crate::periodic::{EdgeLoad, Space};
 use crate::record::Contact;
 use crate::walls::WallShape;
 use bend::Bend;
-use body::SoftBody;
+pub(crate) use body::SoftBody;
 use context::Context;
 pub use fragments::FragmentShape;
 use look::Look;
-use pair::SoftPair;
+pub(crate) use pair::SoftPair;
 use pairs::PairList;
 use serde::{Deserialize, Serialize};
-use state::Sleep;
+pub(crate) use state::Sleep;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -320,7 +321,9 @@ impl DeformablePart {
         }
         self.wall_loads.fill(Load::default());
         self.totals = DeformableTotals::default();
-        for look in looks {
+        // A pair whose B belongs to another batch is on the books there.
+        let booked = |look: &&Look| !self.bodies[look.b as usize].is_guest;
+        for look in looks.iter().filter(booked) {
             self.totals += &look.totals;
         }
         let (touching, beside) = look::touching(looks, count);

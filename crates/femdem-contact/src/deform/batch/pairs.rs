@@ -41,6 +41,12 @@ impl PairList {
         self.note_own();
     }
 
+    /// Takes all pairs off the list.
+    pub fn take(&mut self) -> Vec<SoftPair> {
+        self.own.clear();
+        std::mem::take(&mut self.list)
+    }
+
     /// Takes the pairs of a body off the list.
     pub fn take_of(&mut self, body: BodyId) -> Vec<SoftPair> {
         let is_own = |pair: &SoftPair| pair.deformables().any(|other| other == body);

@@ -1,6 +1,7 @@
 //! What deformable bodies may meet, found by the search of the batch.
 
 use super::DeformablePart;
+use super::body::SoftBody;
 use super::pairs::Key;
 use crate::broadphase::{Broadphase, Extent};
 use crate::contact::BodyId;
@@ -61,13 +62,14 @@ impl DeformablePart {
         Ok(())
     }
 
-    /// Lists the pairs of the bodies that were entered anew, and those with walls that have moved. `near_walls` gives the walls
-    /// near a body from its centre and radius, m. Returns whether any pair is another.
+    /// Lists the pairs of the bodies that were entered anew, and those with walls that have moved: those with a body that is no
+    /// guest. `near_walls` gives the walls near a body from its centre and radius, m. Returns whether any pair is another.
     pub fn list_pairs(
         &mut self,
         search: &Broadphase,
         space: Option<&Space>,
         near_walls: impl Fn(&Vector3, f64) -> Vec<u32>,
+        is_guest: impl Fn(BodyId) -> bool,
     ) -> bool {
         let entered = std::mem::take(&mut self.entered);
         let walls_moved = std::mem::take(&mut self.walls_moved);
@@ -88,8 +90,13 @@ impl DeformablePart {
                 found.push((Side::Deformable(body), body));
             }
         }
+        found.retain(|&(a, b)| match a {
+            Side::Deformable(a) | Side::Rigid(a) => !(is_guest(a) && is_guest(b)),
+            Side::Wall(_) => true,
+        });
         let meets_walls = |body: BodyId| walls_moved || entered.contains_key(&body);
-        for (b, body) in (0..).zip(&self.bodies).filter(|(_, body)| body.is_there) {
+        let own = |(_, body): &(BodyId, &SoftBody)| body.is_there && !body.is_guest;
+        for (b, body) in (0..).zip(&self.bodies).filter(own) {
             if meets_walls(b) {
                 let near = near_walls(&body.centre, body.extent().1);
                 found.extend(near.into_iter().map(|wall| (Side::Wall(wall), b)));

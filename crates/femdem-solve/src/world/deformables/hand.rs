@@ -34,6 +34,7 @@ impl World {
     ) -> Result<(), SolveError> {
         self.known_deformable(id)?;
         self.restored()?;
+        self.not_shared("moving bodies by hand")?;
         self.put_nodes(id, [positions, velocities], None)
     }
 
@@ -108,6 +109,7 @@ impl World {
     pub fn set_self_contact(&mut self, id: BodyId, on: bool) -> Result<(), SolveError> {
         self.known_deformable(id)?;
         self.restored()?;
+        self.not_shared("changing contacts of bodies with themselves")?;
         if self.batch.self_contact(id) == on {
             return Ok(());
         }

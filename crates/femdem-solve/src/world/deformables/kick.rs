@@ -118,7 +118,7 @@ impl World {
         let batch = &self.batch;
         let kick = Kick::new(batch, &self.parameters, streaming, h);
         let results = on_each(bodies, |i, body| {
-            if body.is_vacant() {
+            if body.is_vacant() || batch.is_guest(i as u32) {
                 return Kicked::none();
             }
             let model = &models[body.model as usize].model;

@@ -7,6 +7,7 @@ mod hand;
 mod kick;
 mod nodal_bound;
 mod query;
+mod ranks;
 mod rest;
 mod single;
 mod space;

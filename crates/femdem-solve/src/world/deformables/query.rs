@@ -213,9 +213,10 @@ impl World {
         })
     }
 
-    /// All deformable bodies, by index.
+    /// All deformable bodies that belong to no other rank, by index.
     pub fn deformables(&self) -> impl Iterator<Item = Deformable<'_>> {
-        self.deformable_ids().filter_map(|i| self.deformable(i))
+        let own = self.deformable_ids().filter(|id| !self.is_guest(*id));
+        own.filter_map(|i| self.deformable(i))
     }
 
     /// Contacts of deformable bodies, sorted by pair.
@@ -244,6 +245,7 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, or a node that its model does not have.
     pub fn set_boundary(&mut self, id: BodyId, boundary: Boundary) -> Result<(), SolveError> {
         self.known_deformable(id)?;
+        self.not_shared("changing conditions of bodies")?;
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };

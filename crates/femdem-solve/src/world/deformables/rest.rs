@@ -12,6 +12,7 @@
 use super::each::on_each_with;
 use super::{Deformables, Scratch, State, centroid};
 use crate::error::SolveError;
+use crate::halo::Halo;
 use crate::parameters::WorldParameters;
 use crate::world::World;
 use femdem_contact::ContactBatch;
@@ -61,10 +62,18 @@ enum Change {
 }
 
 impl World {
-    /// Freezes and wakes deformable bodies; called after every step.
-    pub(in crate::world) fn rest_deformables(&mut self) -> Result<(), SolveError> {
+    /// Whether deformable bodies may be frozen.
+    pub(in crate::world) fn may_rest_deformables(&self) -> bool {
         let rule = &self.parameters.sleeping;
-        if !(rule.enabled && rule.deformables) {
+        rule.enabled && rule.deformables && self.deformables.is_some()
+    }
+
+    /// Freezes and wakes deformable bodies; called after every step. Over ranks it tells the others which bodies are awake.
+    pub(in crate::world) fn rest_deformables(
+        &mut self,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
+        if !self.may_rest_deformables() {
             return Ok(());
         }
         let driven = self.is_driven(0.0);
@@ -75,6 +84,9 @@ impl World {
         let Deformables { models, bodies, .. } = &mut *deformables;
         let batch = &self.batch;
         let changes = on_each_with(bodies, Scratch::default, |scratch, i, body| {
+            if batch.is_guest(i as u32) {
+                return Ok(Change::None);
+            }
             let judge = Judge {
                 parameters,
                 batch,
@@ -86,7 +98,8 @@ impl World {
             judge.judge(body, scratch)
         });
         for (i, change) in changes.into_iter().enumerate() {
-            match change.map_err(|error| error.in_body(i, steps, time))? {
+            let named = self.share.as_deref().map_or(i, |share| share.named(i));
+            match change.map_err(|error| error.in_body(named, steps, time))? {
                 Change::None => {}
                 Change::Stopped(energy) => self.flows.frozen += energy,
                 Change::Asleep(energy) => {
@@ -98,14 +111,14 @@ impl World {
                 Change::Awake => deformables.wake(i, &mut self.batch),
             }
         }
-        Ok(())
+        self.tell_rest(halo)
     }
 
     /// Number of deformable bodies that are not frozen.
     #[must_use]
     pub fn awake_deformable_count(&self) -> usize {
-        let bodies = self.deformables.as_deref().map_or(&[][..], |d| &d.bodies);
-        bodies.iter().filter(|body| !body.rest.asleep).count()
+        let own = self.own_nodes();
+        own.filter(|(_, body, _)| !body.rest.asleep).count()
     }
 }
 

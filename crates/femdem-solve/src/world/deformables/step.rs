@@ -26,7 +26,7 @@ impl World {
         }
         // Before the first kick, and after bodies have woken.
         let bodies = (0..).zip(&deformables.bodies);
-        let awake = bodies.filter(|(_, body)| !body.rest.asleep);
+        let awake = bodies.filter(|(i, body)| !(body.rest.asleep || self.is_guest(*i)));
         let steps = awake.map(|(i, body)| body.largest_step(&self.batch, i));
         steps.fold(f64::INFINITY, f64::min)
     }
@@ -40,10 +40,10 @@ impl World {
             return Ok(());
         };
         let Deformables { models, bodies, .. } = deformables;
-        let batch = &self.batch;
+        let (batch, is_shared) = (&self.batch, self.share.is_some());
         let kick = Kick::new(batch, &self.parameters, streaming, 0.5 * dt);
         let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
-            if body.rest.asleep {
+            if body.rest.asleep || batch.is_guest(i as BodyId) {
                 return (Flows::default(), Ok(InternalState::default()));
             }
             let model = &models[body.model as usize].model;
@@ -52,16 +52,22 @@ impl World {
             body.drift(dt, time);
             let depth = batch.deformable_shapes()[body.model as usize].inradius();
             let strain = body.strain(model, scratch, time, renew);
-            let checked = strain.and_then(|()| body.check_speed(dt, time, depth));
+            let checked = strain.and_then(|()| body.check_speed(dt, time, depth, is_shared));
             (flows, checked.map(|()| body.internal))
         });
         for (body, (flows, strain)) in results.into_iter().enumerate() {
             self.book_kick(&flows);
-            let internal = strain.map_err(|error| error.in_body(body, steps, time))?;
+            let internal = strain.map_err(|e| e.in_body(self.named(body), steps, time))?;
             self.book_strain(&internal, dt);
         }
         self.book_cracks();
         Ok(())
+    }
+
+    /// The number in the whole of a body.
+    pub(super) fn named(&self, body: usize) -> usize {
+        let share = self.share.as_deref();
+        share.map_or(body, |share| share.named(body))
     }
 
     /// Forces of the elements at the present positions. `dt` is the time since the last call.
@@ -71,8 +77,9 @@ impl World {
             return Ok(());
         };
         let Deformables { models, bodies, .. } = deformables;
-        let results = on_each_with(bodies, Scratch::default, |scratch, _, body| {
-            if body.is_vacant() {
+        let batch = &self.batch;
+        let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
+            if body.is_vacant() || batch.is_guest(i as BodyId) {
                 return Ok(InternalState::default());
             }
             let model = &models[body.model as usize].model;
@@ -80,7 +87,7 @@ impl World {
             strain.map(|()| body.internal)
         });
         for (body, strain) in results.into_iter().enumerate() {
-            let internal = strain.map_err(|error| error.in_body(body, steps, time))?;
+            let internal = strain.map_err(|e| e.in_body(self.named(body), steps, time))?;
             self.book_strain(&internal, dt);
         }
         self.book_cracks();
@@ -127,7 +134,7 @@ impl World {
     /// Wakes rigid bodies that touch an awake deformable one; they do not count as quiet meanwhile.
     fn wake_touched(&mut self) {
         let mut touched = self.batch.rigid_beside_awake();
-        touched.retain(|&i| !self.batch.is_awake(i));
+        touched.retain(|&i| !(self.batch.is_awake(i) || self.is_guest(i)));
         self.wake(&touched);
     }
 }
@@ -141,8 +148,9 @@ impl Deformables {
         batch: &ContactBatch,
         met: impl Fn(&Vector3, f64) -> f64,
     ) -> f64 {
-        let bodies = self.bodies.iter().filter(|body| !body.is_vacant());
-        let bodies = bodies.map(|body| {
+        let own = (0..).zip(&self.bodies);
+        let own = own.filter(|(i, body)| !(body.is_vacant() || batch.is_guest(*i)));
+        let bodies = own.map(|(_, body)| {
             let shape = &batch.deformable_shapes()[body.model as usize];
             let centre = body.positions[0];
             let speed = body.fastest + met(&centre, 2.0 * shape.radius());
@@ -155,7 +163,7 @@ impl Deformables {
     fn adapt(&mut self, batch: &ContactBatch, dt: f64) -> Result<(), SolveError> {
         let models = &self.models;
         let each = on_each(&mut self.bodies, |i, body| {
-            if body.rest.asleep {
+            if body.rest.asleep || batch.is_guest(i as BodyId) {
                 return Ok(());
             }
             let model = &models[body.model as usize].model;
@@ -282,10 +290,16 @@ impl State {
     }
 
     /// Refuses a step that has moved a node far over the depth of the body (m): it may have passed something
-    /// unnoticed. Prescribed motions may be as fast as they like.
-    fn check_speed(&self, dt: f64, end: f64, depth: f64) -> Result<(), SolveError> {
+    /// unnoticed. Prescribed motions may be as fast as they like, but not over ranks, which have to know what is near.
+    fn check_speed(
+        &self,
+        dt: f64,
+        end: f64,
+        depth: f64,
+        is_shared: bool,
+    ) -> Result<(), SolveError> {
         let moves = self.fastest * dt / depth;
-        if moves <= LARGEST_MOVE || self.boundary.is_driven(end - dt, dt) {
+        if moves <= LARGEST_MOVE || (!is_shared && self.boundary.is_driven(end - dt, dt)) {
             return Ok(());
         }
         Err(SolveError::Fem(

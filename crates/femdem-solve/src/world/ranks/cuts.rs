@@ -228,12 +228,12 @@ fn halve(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::halo::Alone;
 
     /// Alone, but one of several.
-    struct OneOf(usize);
+    pub struct OneOf(pub usize);
 
     impl Halo for OneOf {
         fn rank(&self) -> usize {

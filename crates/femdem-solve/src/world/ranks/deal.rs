@@ -1,7 +1,7 @@
 //! Bodies are given to the ranks in whose boxes they are, and lent to those near them.
 
 use super::parts::{Parts, bodies_of};
-use super::{Cuts, Link, Share, ranks};
+use super::{Cuts, Link, Share, Until, WAY, Whole, ranks};
 use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
@@ -13,10 +13,6 @@ use femdem_contact::{BodyId, PairRecord};
 use femdem_mesh::Vector3;
 use std::collections::BTreeMap;
 
-/// How far a body may travel before all are dealt anew, over the largest radius; the last step adds at most
-/// [`LARGEST_MOVE`].
-const WAY: f64 = 0.5;
-
 /// Two bodies become candidates at a distance of at most this many times the sum of their radii: their skins, and what they have
 /// moved since they were looked up.
 const SKINS: f64 = 1.1;
@@ -27,7 +23,6 @@ const UNEVEN: f64 = 1.1;
 impl World {
     /// Keeps the part of this rank of a world that all have whole.
     pub(super) fn deal_whole(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
-        let total = self.bodies.len() as u32;
         // The costs of all, found once and not by every rank.
         let of_first = if halo.rank() == 0 {
             self.costs()
@@ -39,14 +34,14 @@ impl World {
         } else {
             Cuts::find(&of_first, halo)?
         };
-        let vacant = total - self.rigid_count() as u32;
+        let whole = Whole::of(self, self.largest_radius(halo)?);
         let (parts, _) = self.take_apart()?;
         if halo.rank() > 0 {
             // The books of the whole are with the first rank.
             self.flows = Flows::default();
             self.initial_energy = 0.0;
         }
-        self.keep(cuts, [total, vacant], parts, halo)
+        self.keep(cuts, whole, parts, halo)
     }
 
     /// Whether the first rank has all bodies: contacts of implicit steps are solved together, and have friction of the last step
@@ -72,7 +67,7 @@ impl World {
         let Some(share) = self.share.as_deref() else {
             return Ok(());
         };
-        let (numbers, mut cuts) = ([share.total, share.vacant], share.cuts.clone());
+        let (mut whole, mut cuts) = (share.whole.clone(), share.cuts.clone());
         let costs = self.costs();
         let own: u64 = costs.iter().map(|(_, cost)| cost).sum();
         let (mut sum, mut most) = ([own], [-(own as f64)]);
@@ -84,9 +79,10 @@ impl World {
         } else if is_uneven || cuts.are_to_first() {
             cuts = Cuts::find(&costs, halo)?;
         }
+        whole.largest = self.largest_radius(halo)?;
         let (parts, guests) = self.take_apart()?;
-        let parts = self.pass_on(&cuts, parts, &guests, halo)?;
-        self.keep(cuts, numbers, parts, halo)
+        let parts = self.pass_on((&cuts, whole.largest), parts, &guests, halo)?;
+        self.keep(cuts, whole, parts, halo)
     }
 
     /// All bodies in one world on the first rank, as if there were no others; the world here stays as it is.
@@ -116,10 +112,13 @@ impl World {
             whole.initial_energy += initial;
             whole.step_control.join(&control);
         }
-        if all.members.len() != (share.total - share.vacant) as usize {
+        // All numbers of the whole are among what came, before lists of so many are made.
+        let Whole { total, vacant, .. } = &share.whole;
+        let fits = all.members.iter().all(|member| member.number < *total);
+        if !fits || all.members.len() + vacant.len() != *total as usize {
             return Err(ranks("the ranks do not have all bodies of the whole"));
         }
-        whole.put_all(share.total, all)?;
+        whole.put_all(*total, all)?;
         whole.renew_cap(&mut Alone)?;
         Ok(Some(whole))
     }
@@ -142,46 +141,58 @@ impl World {
             };
             (body.position, of_pair * (1 + pairs))
         };
-        self.live_bodies().map(cost).collect()
+        let rigid = self.live_bodies().map(cost);
+        let soft = self.own_nodes();
+        let soft = soft.map(|(_, nodes, model)| (nodes.middle(), model.costs()));
+        rigid.chain(soft).collect()
     }
 
-    /// Within what distance of a box a body of some radius may meet one that was in it, until all are dealt anew, m.
-    pub(super) fn reach(&self) -> impl Fn(f64) -> f64 + use<> {
-        let largest = self.largest_radius();
+    /// Within what distance of a box a body of some radius may meet one that was in it, until all are dealt anew, m. `largest` is
+    /// the largest radius of all.
+    pub(super) fn reach(&self, largest: f64) -> impl Fn(f64) -> f64 + use<> {
         let attraction = self.batch.laws().attraction_range();
-        let moved = 2.0 * (WAY + LARGEST_MOVE) * largest;
+        let mut moved = 2.0 * (WAY + LARGEST_MOVE) * largest;
+        if self.deformables.is_some() {
+            // A rigid body that is looked up finds a deformable one where it was before a last step.
+            moved += LARGEST_MOVE * largest;
+        }
         move |radius| SKINS * (largest + radius) + attraction + moved
     }
 
-    /// How far a body may travel before all are dealt anew, m.
-    pub(super) fn way(&self) -> f64 {
-        WAY * self.largest_radius()
-    }
-
-    /// Of all shapes, m.
-    fn largest_radius(&self) -> f64 {
+    /// The largest radius of all shapes and of the deformable bodies of all ranks, m.
+    fn largest_radius(&self, halo: &mut dyn Halo) -> Result<f64, SolveError> {
         let radii = self.batch.shapes().iter().map(|shape| shape.radius());
-        radii.fold(0.0, f64::max)
+        let rigid = radii.fold(0.0, f64::max);
+        if self.deformables.is_none() {
+            return Ok(rigid);
+        }
+        let soft = self.own_nodes().map(|(id, nodes, _)| {
+            let [_, reach] = self.batch.way_and_reach(id).unwrap_or_default();
+            nodes.radius().max(reach)
+        });
+        let mut least = [-soft.fold(rigid, f64::max)];
+        halo.least(&mut least)?;
+        Ok(-least[0])
     }
 
     /// Sends the bodies to their owners and to those near them, and the pairs to the owners of their bodies.
     fn pass_on(
         &self,
-        cuts: &Cuts,
+        (cuts, largest): (&Cuts, f64),
         parts: Parts,
         guests: &BTreeMap<BodyId, Vector3>,
         halo: &mut dyn Halo,
     ) -> Result<Parts, SolveError> {
-        let reach = self.reach();
+        let reach = self.reach(largest);
         let owners: BTreeMap<BodyId, usize> = parts
             .members
             .iter()
-            .map(|member| (member.number, cuts.owner(&member.body.position)))
+            .map(|member| (member.number, cuts.owner(&member.place())))
             .chain(guests.iter().map(|(number, x)| (*number, cuts.owner(x))))
             .collect();
         let mut bags: BTreeMap<usize, Parts> = BTreeMap::new();
         for member in parts.members {
-            let mut near = cuts.near(&member.body.position, reach(member.body.radius));
+            let mut near = cuts.near(&member.place(), reach(member.radius()));
             let last = near.pop();
             for rank in near {
                 bags.entry(rank).or_default().members.push(member.clone());
@@ -223,16 +234,17 @@ impl World {
     fn keep(
         &mut self,
         cuts: Cuts,
-        [total, vacant]: [u32; 2],
+        whole: Whole,
         parts: Parts,
         halo: &dyn Halo,
     ) -> Result<(), SolveError> {
-        let (rank, reach) = (halo.rank(), self.reach());
+        let largest = whole.largest;
+        let (rank, reach, way) = (halo.rank(), self.reach(largest), whole.way());
         let mut links: BTreeMap<usize, (Vec<BodyId>, Vec<BodyId>)> = BTreeMap::new();
-        let mut kept = Vec::new();
+        let (mut kept, mut until) = (Vec::new(), Vec::new());
         for member in parts.members {
-            let x = &member.body.position;
-            let (owner, near) = (cuts.owner(x), cuts.near(x, reach(member.body.radius)));
+            let (x, radius) = (member.place(), member.radius());
+            let (owner, near) = (cuts.owner(&x), cuts.near(&x, reach(radius)));
             let id = kept.len() as BodyId;
             if owner == rank {
                 for other in near.into_iter().filter(|other| *other != rank) {
@@ -243,6 +255,7 @@ impl World {
             } else {
                 continue;
             }
+            until.push(radius);
             kept.push((member, owner));
         }
         let is_own = |number: &BodyId| {
@@ -255,18 +268,20 @@ impl World {
             .filter(|pair| bodies_of(pair).any(|number| is_own(&number)))
             .collect();
         let numbers = self.put_together(kept, pairs, parts.newcomers, rank)?;
-        let way = self.way();
-        let until = self.bodies.iter().map(|b| b.travelled + way);
+        let until = (0..).zip(until).map(|(id, radius)| Until {
+            travelled: self.travelled(id) + way,
+            radius,
+        });
+        let until = until.collect();
         let links = links
             .into_iter()
             .map(|(rank, (lent, guests))| Link { rank, lent, guests });
         self.share = Some(Box::new(Share {
             rank,
             cuts,
-            total,
-            vacant,
+            whole,
             links: links.collect(),
-            until: until.collect(),
+            until,
             holds: vec![false; numbers.len()],
             numbers,
             spent: (self.counters.contact_time, self.counters.pair_evaluations),
@@ -275,7 +290,10 @@ impl World {
             .awake
             .iter()
             .map(|&i| self.bodies[i as usize].kinetic_energy());
-        self.flows.last = [moving.sum(), self.flows.work_in, self.flows.load_work];
+        let soft = self.own_nodes();
+        let soft = soft.map(|(_, nodes, model)| nodes.kinetic_energy(model.model.masses()));
+        let moving = moving.sum::<f64>() + soft.sum::<f64>();
+        self.flows.last = [moving, self.flows.work_in, self.flows.load_work];
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! Bodies that are added to a shared world, and what all ranks know of the bodies of the whole.
 
-use super::{Link, Share, ranks};
+use super::{Link, Share, Until, ranks};
 use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
@@ -32,16 +32,17 @@ impl World {
     }
 
     fn enlist_in(&self, share: &mut Share, body: &Body) -> Result<Whose, SolveError> {
-        if share.vacant > 0 {
+        if !share.whole.vacant.is_empty() {
             return Err(ranks(
                 "bodies were removed before the world was shared out, and the next one would get such a number: gather it first",
             ));
         }
-        let number = share.total;
+        let number = share.whole.total;
         let total = number.checked_add(1);
-        share.total = total.ok_or_else(|| ranks("there are no more numbers for bodies"))?;
+        share.whole.total = total.ok_or_else(|| ranks("there are no more numbers for bodies"))?;
         let owner = share.cuts.owner(&body.position);
-        let near = share.cuts.near(&body.position, self.reach()(body.radius));
+        let reach = self.reach(share.whole.largest);
+        let near = share.cuts.near(&body.position, reach(body.radius));
         let id = share.numbers.len() as BodyId;
         let whose = if owner == share.rank {
             for other in near.into_iter().filter(|other| *other != owner) {
@@ -55,7 +56,10 @@ impl World {
             return Ok(Whose::Other(number));
         };
         share.numbers.push(number);
-        share.until.push(body.travelled + self.way());
+        share.until.push(Until {
+            travelled: body.travelled + share.whole.way(),
+            radius: body.radius,
+        });
         share.holds.push(false);
         Ok(whose)
     }
@@ -66,24 +70,26 @@ impl World {
             Some(share) => share.numbers.binary_search(&number).ok()? as BodyId,
             None => number,
         };
-        self.batch.is_rigid(here).then_some(here)
+        self.batch.contains(here).then_some(here)
     }
 
     /// How many bodies the whole has.
     #[must_use]
     pub fn count_in_whole(&self) -> usize {
         let share = self.share.as_deref();
-        share.map_or(self.body_count(), |s| (s.total - s.vacant) as usize)
+        share.map_or(self.body_count(), |s| {
+            s.whole.total as usize - s.whole.vacant.len()
+        })
     }
 
-    /// The rigid bodies here that belong to no other rank and whose numbers in the whole are at least `number`, ascending.
+    /// The bodies here that belong to no other rank and whose numbers in the whole are at least `number`, ascending.
     pub fn own_bodies(&self, number: BodyId) -> impl DoubleEndedIterator<Item = BodyId> {
         let share = self.share.as_deref();
         let first = share.map_or(number, |share| {
             share.numbers.partition_point(|other| *other < number) as BodyId
         });
         let last = self.bodies.len() as BodyId;
-        (first..last).filter(|&id| self.batch.is_rigid(id) && !self.is_guest(id))
+        (first..last).filter(|&id| self.batch.contains(id) && !self.is_guest(id))
     }
 
     /// What there is to say of each body of the whole, in the order of their numbers: all ranks get all of it.

@@ -13,13 +13,20 @@ mod parts;
 mod swap;
 
 use super::World;
+use super::time_step::LARGEST_MOVE;
 use crate::error::SolveError;
+use crate::guide::Guide;
 use crate::halo::{Alone, Halo};
 use cuts::Cuts;
 use femdem_contact::BodyId;
+use femdem_fem::Boundary;
 pub(super) use join::Whose;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
+
+/// How far a body may travel before all are dealt anew, over the largest radius; the last step adds at most
+/// [`LARGEST_MOVE`].
+const WAY: f64 = 0.5;
 
 /// What a rank knows of the others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,18 +35,84 @@ pub(super) struct Share {
     cuts: Cuts,
     /// Numbers in the whole, by local number.
     numbers: Vec<BodyId>,
-    /// How many numbers the whole has, and how many of them name no body.
-    total: u32,
-    vacant: u32,
+    whole: Whole,
     /// The ranks that have guests of this one, or bodies that are guests here, ascending.
     links: Vec<Link>,
-    /// Travel of each body at which all are dealt anew if it is an own one, m.
-    until: Vec<f64>,
+    /// Of each body, when all are dealt anew if it is an own one.
+    until: Vec<Until>,
     /// Whether a guest that sleeps is balanced.
     holds: Vec<bool>,
     /// Processor time and pairs evaluated when bodies were last dealt.
     #[serde(skip)]
     spent: (Duration, u64),
+}
+
+/// What all ranks know of the whole.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Whole {
+    /// How many numbers there are, and those of them that name no body, ascending.
+    total: u32,
+    vacant: Vec<BodyId>,
+    /// The largest radius of all bodies and shapes when they were dealt, m.
+    largest: f64,
+    /// How bodies are driven, and nodes of deformable ones: functions of time.
+    guides: Vec<Guide>,
+    boundaries: Vec<Boundary>,
+}
+
+impl Whole {
+    /// How far a body may travel before all are dealt anew, m.
+    fn way(&self) -> f64 {
+        WAY * self.largest
+    }
+
+    /// Of a world that has all bodies.
+    fn of(world: &World, largest: f64) -> Self {
+        let total = world.bodies.len() as BodyId;
+        let vacant = (0..total).filter(|id| !world.batch.contains(*id));
+        let mut guides: Vec<Guide> = Vec::new();
+        for (_, body) in world.live_bodies() {
+            if let Some((guide, _)) = body.driven.as_deref()
+                && !guides.contains(guide)
+            {
+                guides.push(*guide);
+            }
+        }
+        let boundaries = world.own_nodes().map(|(_, nodes, _)| &nodes.boundary);
+        let will_move = |b: &&Boundary| b.is_driven(world.time, f64::INFINITY);
+        Self {
+            total,
+            vacant: vacant.collect(),
+            largest,
+            guides,
+            boundaries: boundaries.filter(will_move).cloned().collect(),
+        }
+    }
+}
+
+impl Share {
+    /// Whether a body, or nodes of one, move as prescribed at time `t` or within `ahead` after it, s.
+    pub(super) fn is_driven(&self, t: f64, ahead: f64) -> bool {
+        let Whole {
+            guides, boundaries, ..
+        } = &self.whole;
+        guides.iter().any(|guide| guide.is_active(t, ahead))
+            || boundaries.iter().any(|b| b.is_driven(t, ahead))
+    }
+
+    /// The number in the whole of a body that is here.
+    pub(super) fn named(&self, id: usize) -> usize {
+        self.numbers[id] as usize
+    }
+}
+
+/// How far a body may go before all are dealt anew.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Until {
+    /// Its travel, m.
+    travelled: f64,
+    /// Its radius; that of a deformable body may grow, m.
+    radius: f64,
 }
 
 /// What two ranks exchange; lists by local number, ascending.
@@ -60,7 +133,8 @@ impl World {
     /// the number that a body had here.
     ///
     /// # Errors
-    /// [`SolveError::Ranks`] for what cannot be shared: deformable and driven bodies, bonds, a periodic cell; if the worlds of the ranks differ, or their programs; and what `halo` reports.
+    /// [`SolveError::Ranks`] for what cannot be shared: bodies that may break, bonds, a periodic cell, what a host moves, and
+    /// [friction that begins](Self::begin_friction); if the worlds of the ranks differ, or their programs; and what `halo` reports.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         self.share_out_with(&(), halo)
     }
@@ -109,7 +183,7 @@ impl World {
 
     /// The number of a body in the whole.
     pub fn number_in_whole(&self, id: BodyId) -> Option<BodyId> {
-        let known = self.batch.is_rigid(id).then_some(id);
+        let known = self.batch.contains(id).then_some(id);
         match &self.share {
             Some(share) => share.numbers.get(known? as usize).copied(),
             None => known,
@@ -139,16 +213,18 @@ impl World {
     }
 
     fn can_be_shared(&self) -> Result<(), SolveError> {
-        let driven = self.live_bodies().any(|(_, body)| body.driven.is_some());
-        let by_host = self
-            .wall_drives
-            .iter()
-            .any(|(guide, _)| guide.drive().is_none());
+        let breakable = self
+            .own_nodes()
+            .any(|(_, nodes, _)| nodes.breakable.is_some());
+        let of_bodies = self.live_bodies();
+        let of_bodies = of_bodies.filter_map(|(_, body)| body.driven.as_deref());
+        let mut guides = of_bodies.chain(&self.wall_drives);
+        let by_host = guides.any(|(guide, _)| guide.drive().is_none());
         for (what, is_there) in [
-            ("walls that a host moves", by_host),
+            ("walls or bodies that a host moves", by_host),
             ("bonds", self.batch.bonds().next().is_some()),
-            ("deformable bodies", self.deformables.is_some()),
-            ("driven bodies", driven),
+            ("breakable bodies", breakable),
+            ("friction that begins", self.batch.begins_friction()),
             ("a periodic cell", self.cell().is_some()),
         ] {
             if is_there {
@@ -179,6 +255,43 @@ impl World {
         ))
     }
 
+    /// Bodies of other ranks that are driven: they are moved here too.
+    pub(super) fn driven_guests(&self) -> Vec<BodyId> {
+        let share = self.share.as_deref();
+        let Some(share) = share.filter(|share| !share.whole.guides.is_empty()) else {
+            return Vec::new();
+        };
+        let guests = share.links.iter().flat_map(|link| &link.guests).copied();
+        guests.filter(|id| self.is_driven_body(*id)).collect()
+    }
+
+    fn is_driven_body(&self, id: BodyId) -> bool {
+        self.bodies[id as usize].driven.is_some()
+    }
+
+    /// The largest of the speeds of driven bodies that the ranks give, m/s.
+    pub(super) fn fastest_driven(&self, own: f64, halo: &mut dyn Halo) -> Result<f64, SolveError> {
+        let share = self.share.as_deref();
+        let mut least = [-own];
+        if share.is_some_and(|share| !share.whole.guides.is_empty()) {
+            halo.least(&mut least)?;
+        }
+        Ok(-least[0])
+    }
+
+    /// Refuses a driven body that moves so far in a step that it may meet bodies that its rank does not know.
+    pub(super) fn check_way(&self, body: usize, moved: f64) -> Result<(), SolveError> {
+        if self.share.is_none() || moved <= LARGEST_MOVE * self.bodies[body].radius {
+            return Ok(());
+        }
+        Err(SolveError::Ranks {
+            why: format!(
+                "driven body {} moves by more than {LARGEST_MOVE} of its radius in a step: lower time_step.largest, or run it on one rank",
+                self.number_in_whole(body as BodyId).unwrap_or_default()
+            ),
+        })
+    }
+
     /// Whether no body can have come near another that its rank does not know, and several ranks have bodies: more than 0 if so.
     pub(super) fn slack(&self) -> f64 {
         let Some(share) = &self.share else {
@@ -187,8 +300,24 @@ impl World {
         if share.cuts.are_to_first() {
             return 0.0;
         }
-        let left = |&i: &BodyId| share.until[i as usize] - self.bodies[i as usize].travelled;
-        self.awake.iter().map(left).fold(f64::INFINITY, f64::min)
+        let left = |i: BodyId| {
+            let (until, way) = (share.until[i as usize], self.batch.way_and_reach(i));
+            let grown = way.is_some_and(|[_, reach]| reach > until.radius);
+            if grown {
+                0.0
+            } else {
+                until.travelled - self.travelled(i)
+            }
+        };
+        let soft = self.own_nodes().map(|(id, ..)| id);
+        let awake = self.awake.iter().copied().chain(soft);
+        awake.map(left).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Running bound of the distance any point of a body has travelled, m.
+    fn travelled(&self, id: BodyId) -> f64 {
+        let soft = self.batch.way_and_reach(id);
+        soft.map_or(self.bodies[id as usize].travelled, |[way, _]| way)
     }
 }
 

@@ -5,6 +5,7 @@ use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
 use crate::world::World;
+use crate::world::deformables::State;
 use crate::world::newcomers::Newcomers;
 use femdem_contact::{BodyId, BodyRecord, Motion, PairRecord, Partner};
 use femdem_mesh::Vector3;
@@ -19,6 +20,24 @@ pub(super) struct Member {
     pub body: Body,
     pub motion: Motion,
     pub record: BodyRecord,
+    /// Of a deformable body, which has no `body` and `motion`.
+    pub nodes: Option<Box<State>>,
+}
+
+impl Member {
+    /// By what its owner is chosen, m.
+    pub fn place(&self) -> Vector3 {
+        let nodes = self.nodes.as_deref();
+        nodes.map_or(self.body.position, State::middle)
+    }
+
+    /// No point is farther than this from its [place](Self::place), m; of a deformable body until it is next looked up.
+    pub fn radius(&self) -> f64 {
+        match self.nodes.as_deref() {
+            Some(nodes) => nodes.radius().max(self.record.reach().unwrap_or_default()),
+            None => self.body.radius,
+        }
+    }
 }
 
 /// Bodies and pairs, by their numbers in the whole.
@@ -58,17 +77,22 @@ impl World {
         for (id, record) in records {
             let i = id as usize;
             let Some(number) = number(id) else { continue };
-            if is_guest[i] {
-                guests.insert(number, self.bodies[i].position);
-                continue;
-            }
-            let body = std::mem::replace(&mut self.bodies[i], Body::vacant());
-            parts.members.push(Member {
+            let nodes = match &mut self.deformables {
+                Some(deformables) => deformables.take(id),
+                None => None,
+            };
+            let member = Member {
                 number,
-                body,
+                body: std::mem::replace(&mut self.bodies[i], Body::vacant()),
                 motion: self.motions[i],
                 record,
-            });
+                nodes: nodes.map(Box::new),
+            };
+            if is_guest[i] {
+                guests.insert(number, member.place());
+            } else {
+                parts.members.push(member);
+            }
         }
         let own = pairs
             .into_iter()
@@ -96,39 +120,48 @@ impl World {
             .filter_map(|pair| pair.renumbered(local))
             .collect();
         self.newcomers = newcomers.renumbered(local);
-        let mut records = Vec::with_capacity(members.len());
-        for (id, (member, owner)) in (0..).zip(members) {
-            let is_guest = owner != rank;
-            if member.record.is_awake() && !is_guest {
-                self.awake.push(id);
-            }
-            self.bodies.push(member.body);
-            self.motions.push(member.motion);
-            records.push((id, member.record, is_guest));
-        }
-        self.batch
-            .give_bodies(records.len() as u32, records, pairs)?;
+        let total = members.len() as BodyId;
+        let members = members.into_iter();
+        let members = (0..).zip(members.map(|(member, owner)| (member, owner != rank)));
+        self.put(total, members, pairs)?;
         Ok(numbers)
     }
 
     /// The bodies of all ranks, in the world of one.
     pub(super) fn put_all(&mut self, total: u32, mut parts: Parts) -> Result<(), SolveError> {
         parts.members.sort_by_key(|member| member.number);
+        self.newcomers = parts.newcomers;
+        self.share = None;
+        let members = parts.members.into_iter();
+        let members = members.map(|member| (member.number, (member, false)));
+        self.put(total, members, parts.pairs)
+    }
+
+    /// Puts members in under their numbers, below `total`, with whether they are guests.
+    fn put(
+        &mut self,
+        total: BodyId,
+        members: impl Iterator<Item = (BodyId, (Member, bool))>,
+        pairs: Vec<PairRecord>,
+    ) -> Result<(), SolveError> {
         self.bodies = vec![Body::vacant(); total as usize];
         self.motions = vec![Body::vacant().motion(); total as usize];
-        let mut records = Vec::with_capacity(parts.members.len());
-        for member in parts.members {
-            let id = member.number;
-            if member.record.is_awake() {
+        if let Some(deformables) = &mut self.deformables {
+            deformables.empty(total as usize);
+        }
+        let mut records = Vec::new();
+        for (id, (member, is_guest)) in members {
+            if member.record.is_awake_rigid() && !is_guest {
                 self.awake.push(id);
             }
             self.bodies[id as usize] = member.body;
             self.motions[id as usize] = member.motion;
-            records.push((id, member.record, false));
+            if let Some((nodes, deformables)) = member.nodes.zip(self.deformables.as_mut()) {
+                deformables.give(id, *nodes);
+            }
+            records.push((id, member.record, is_guest));
         }
-        self.newcomers = parts.newcomers;
-        self.share = None;
-        Ok(self.batch.give_bodies(total, records, parts.pairs)?)
+        Ok(self.batch.give_bodies(total, records, pairs)?)
     }
 
     /// A checksum of all bits of the motion: of the bodies, the contacts and their friction, and what is remembered of them, in
@@ -165,13 +198,19 @@ impl Share {
             .iter()
             .flat_map(|link| link.lent.iter().chain(&link.guests));
         let mut linked = linked.copied();
-        let places = self.total.checked_sub(self.vacant);
-        let ascending = self.numbers.windows(2).all(|pair| pair[0] < pair[1]);
+        let places = (self.whole.total as usize).checked_sub(self.whole.vacant.len());
+        let lists_of_numbers = [&self.numbers, &self.whole.vacant];
+        let ascending = lists_of_numbers.map(|list| list.windows(2).all(|pair| pair[0] < pair[1]));
+        let ascending = ascending == [true; 2];
         let counted = places.is_some_and(|all| match self.cuts.ranks() {
-            1 => all as usize == bodies,
-            _ => all as usize >= bodies,
+            1 => all == bodies,
+            _ => all >= bodies,
         });
-        let fits = self.numbers.last().is_none_or(|last| *last < self.total);
+        let lasts = lists_of_numbers.map(|list| list.last());
+        let fits = lasts
+            .into_iter()
+            .flatten()
+            .all(|last| *last < self.whole.total);
         self.cuts.is_sound()
             && counted
             && ascending
@@ -186,6 +225,7 @@ impl Share {
 #[cfg(test)]
 mod tests {
     use super::super::Cuts;
+    use super::super::cuts::tests::OneOf;
     use super::*;
     use crate::body::BodySpec;
     use crate::halo::Alone;
@@ -211,10 +251,10 @@ mod tests {
         };
         assert!(read(|_| {}).is_ok());
         let changes: [fn(&mut Share); 7] = [
-            |share| share.vacant = share.total + 1,
-            |share| share.vacant = 1,
-            |share| share.total = u32::MAX,
-            |share| share.total = 2,
+            |share| share.whole.vacant = vec![share.whole.total],
+            |share| share.whole.vacant = vec![1],
+            |share| share.whole.total = u32::MAX,
+            |share| share.whole.total = 2,
             |share| share.numbers.swap(0, 1),
             |share| share.numbers[0] = 1,
             |share| share.numbers[2] = 3,
@@ -228,10 +268,13 @@ mod tests {
         }
         let mut full = read(|share| {
             share.cuts = Cuts::to_first(2);
-            share.total = u32::MAX;
+            share.whole.total = u32::MAX;
         })
         .unwrap();
         let refused = full.add_body(at(5.0)).unwrap_err().to_string();
         assert!(refused.contains("no more numbers"), "{refused}");
+        // No lists of so many are made.
+        let gathered = full.gather(&mut OneOf(2)).unwrap_err().to_string();
+        assert!(gathered.contains("do not have all bodies"), "{gathered}");
     }
 }

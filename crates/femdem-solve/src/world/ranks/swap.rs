@@ -4,22 +4,31 @@ use super::{Share, ranks};
 use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::world::World;
+use crate::world::deformables::State;
 use femdem_contact::BodyId;
 use femdem_mesh::nalgebra::{Quaternion, UnitQuaternion};
 use femdem_mesh::{Rotation, Vector3};
 
-/// Numbers of a moving body: position, orientation, velocity, angular momentum and travel.
+/// Numbers of a moving rigid body: position, orientation, velocity, angular momentum and travel.
 const NUMBERS: usize = 14;
 
 impl World {
+    /// Whether the guests of a body follow it: one that is driven moves everywhere by itself.
+    fn is_followed(&self, id: BodyId) -> bool {
+        self.batch.is_awake(id) && !self.is_driven_body(id)
+    }
+
     /// Brings guests that are awake where their owners have moved them.
     pub(in crate::world) fn meet_guests(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         let Some(share) = self.share.take() else {
             return Ok(());
         };
         let swapped = self.swap(&share, halo, |world, list| {
-            let awake = list.iter().filter(|&&i| world.batch.is_awake(i));
-            awake.flat_map(|&i| world.numbers_of(i)).collect()
+            let mut bytes = Vec::new();
+            for &i in list.iter().filter(|&&i| world.is_followed(i)) {
+                world.add_numbers(i, &mut bytes);
+            }
+            bytes
         });
         let done = swapped.and_then(|received| {
             for (link, bytes) in share.links.iter().zip(received) {
@@ -37,9 +46,12 @@ impl World {
             return Ok(());
         };
         let swapped = self.swap(&share, halo, |world, list| {
-            let state = |&i: &BodyId| match world.batch.is_awake(i) {
-                true => 2,
-                false => u8::from(world.holds(i)),
+            let state = |&i: &BodyId| {
+                if world.batch.is_awake(i) {
+                    2
+                } else {
+                    u8::from(world.batch.is_rigid(i) && world.holds(i))
+                }
             };
             list.iter().map(state).collect()
         });
@@ -84,7 +96,11 @@ impl World {
         }
     }
 
-    fn numbers_of(&self, id: BodyId) -> [u8; 8 * NUMBERS] {
+    /// Adds the numbers of a body that its guests need to follow it: see [`NUMBERS`] and [`State::add_numbers`].
+    fn add_numbers(&self, id: BodyId, bytes: &mut Vec<u8>) {
+        if let Some(nodes) = self.nodes_of(id) {
+            return nodes.add_numbers(bytes);
+        }
         let body = &self.bodies[id as usize];
         let turned = body.orientation.coords;
         let parts = [
@@ -94,44 +110,54 @@ impl World {
             body.momentum.as_slice(),
             &[body.travelled],
         ];
-        let mut bytes = [0; 8 * NUMBERS];
         let numbers = parts.into_iter().flatten();
-        for (to, number) in bytes.chunks_exact_mut(8).zip(numbers) {
-            to.copy_from_slice(&number.to_le_bytes());
-        }
-        bytes
+        bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
     }
 
-    fn place_guests(&mut self, guests: &[BodyId], bytes: &[u8]) -> Result<(), SolveError> {
-        let mut messages = bytes.chunks_exact(8 * NUMBERS);
-        let awake: Vec<BodyId> = guests
-            .iter()
-            .copied()
-            .filter(|&i| self.batch.is_awake(i))
-            .collect();
-        if bytes.len() != 8 * NUMBERS * awake.len() {
-            return Err(ranks("a message of the wrong length came"));
-        }
-        for guest in awake {
-            let mut numbers = [0.0; NUMBERS];
-            let words = messages.next().unwrap_or_default().chunks_exact(8);
-            for (number, word) in numbers.iter_mut().zip(words) {
-                *number = f64::from_le_bytes(word.try_into().unwrap_or_default());
+    fn place_guests(&mut self, guests: &[BodyId], mut bytes: &[u8]) -> Result<(), SolveError> {
+        let wrong = || ranks("a message of the wrong length came");
+        for &guest in guests {
+            if !self.is_followed(guest) {
+                continue;
             }
-            let [x, y, z, i, j, k, w, u, v, s, a, b, c, travelled] = numbers;
-            let body = &mut self.bodies[guest as usize];
-            body.position = Vector3::new(x, y, z);
-            body.orientation =
-                Rotation::from(UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)));
-            body.velocity = Vector3::new(u, v, s);
-            body.momentum = Vector3::new(a, b, c);
-            body.travelled = travelled;
-            let mut motion = body.motion();
-            // As the owner does before it evaluates contacts.
-            motion.angular_velocity = body.angular_velocity();
-            self.motions[guest as usize] = motion;
+            let count = self
+                .nodes_of(guest)
+                .map_or(NUMBERS, State::count_of_numbers);
+            let (own, rest) = bytes.split_at_checked(8 * count).ok_or_else(wrong)?;
+            let numbers = own.chunks_exact(8).map(|word| {
+                // Eight bytes each.
+                f64::from_le_bytes(word.try_into().unwrap_or_default())
+            });
+            match self.deformables.as_mut().and_then(|d| d.nodes_mut(guest)) {
+                Some(nodes) => nodes.take_numbers(numbers),
+                None => self.place_rigid(guest, numbers),
+            }
+            bytes = rest;
         }
-        Ok(())
+        if bytes.is_empty() {
+            Ok(())
+        } else {
+            Err(wrong())
+        }
+    }
+
+    fn place_rigid(&mut self, guest: BodyId, own: impl Iterator<Item = f64>) {
+        let mut numbers = [0.0; NUMBERS];
+        for (number, own) in numbers.iter_mut().zip(own) {
+            *number = own;
+        }
+        let [x, y, z, i, j, k, w, u, v, s, a, b, c, travelled] = numbers;
+        let body = &mut self.bodies[guest as usize];
+        body.position = Vector3::new(x, y, z);
+        body.orientation =
+            Rotation::from(UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)));
+        body.velocity = Vector3::new(u, v, s);
+        body.momentum = Vector3::new(a, b, c);
+        body.travelled = travelled;
+        let mut motion = body.motion();
+        // As the owner does before it evaluates contacts.
+        motion.angular_velocity = body.angular_velocity();
+        self.motions[guest as usize] = motion;
     }
 
     fn set_guest_awake(&mut self, guest: BodyId, awake: bool) {
@@ -139,11 +165,15 @@ impl World {
             return;
         }
         self.batch.set_awake(guest, awake);
-        if !awake {
-            let body = &mut self.bodies[guest as usize];
-            body.velocity = Vector3::zeros();
-            body.momentum = Vector3::zeros();
-            self.motions[guest as usize] = body.motion();
+        if awake {
+            return;
         }
+        if let Some(nodes) = self.deformables.as_mut().and_then(|d| d.nodes_mut(guest)) {
+            return nodes.stop();
+        }
+        let body = &mut self.bodies[guest as usize];
+        body.velocity = Vector3::zeros();
+        body.momentum = Vector3::zeros();
+        self.motions[guest as usize] = body.motion();
     }
 }

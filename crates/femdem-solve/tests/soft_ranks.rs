@@ -1,0 +1,199 @@
+//! Worlds with deformable bodies shared out over ranks: the same bits as one world.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+use crate::ranks::on_ranks;
+use femdem_contact::{ContactParameters, Wall};
+use femdem_fem::element::Element;
+use femdem_fem::material::{AnyMaterial, J2, NeoHookean};
+use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
+use femdem_mesh::catalogue::CatalogueShape;
+use femdem_mesh::nalgebra::{Translation3, UnitQuaternion};
+use femdem_mesh::{Pose, TetMesh, Vector3};
+use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World, WorldParameters};
+
+/// Edge of a cube, m.
+const EDGE: f64 = 0.1;
+
+const COUNT: usize = 12;
+
+const SHAKE: Drive = Drive::Shake {
+    stroke: Vector3::new(1.5 * EDGE, 0.0, 0.0),
+    frequency: 4.0,
+    start: 0.05,
+    periods: 1,
+};
+
+/// A cube of 5 tetrahedra in each cell, about its centre.
+fn cube(cells: u32, element: Element, material: AnyMaterial) -> DeformableModel {
+    let mesh = TetMesh::block([cells; 3], &Vector3::repeat(EDGE)).unwrap();
+    let points = mesh.points().iter();
+    let points = points.map(|p| p - Vector3::repeat(0.5 * EDGE));
+    let mesh = TetMesh::new(points.collect(), mesh.tets().to_vec()).unwrap();
+    let density = 1000.0;
+    let region = MaterialRegion { material, density };
+    DeformableModel::new(&mesh, element, vec![region], None).unwrap()
+}
+
+/// Rubber, metal that flows, and stones, numbered at random, fall into a trough under gravity that leans over, past a cube that
+/// is held at one of its sides. Where nothing sleeps, one of the stones and a side of a cube swing.
+fn heap(sleeping: bool) -> World {
+    let mut parameters = WorldParameters {
+        gravity: Vector3::new(3.0, 0.0, -9.0),
+        contact: ContactParameters {
+            friction: 0.4,
+            ..ContactParameters::default()
+        },
+        ..WorldParameters::default()
+    };
+    // So that they come to rest before long.
+    parameters.medium.local_damping = if sleeping { 0.3 } else { 0.0 };
+    parameters.sleeping.enabled = sleeping;
+    parameters.sleeping.deformables = sleeping;
+    parameters.sleeping.window = 40;
+    parameters.sleeping.tolerance = 0.05;
+    let mut world = World::new(parameters).unwrap();
+    let (low, high) = (Vector3::zeros(), Vector3::new(10.0, 1.6, 40.0) * EDGE);
+    for wall in Wall::closed_box(low, high).unwrap() {
+        world.add_wall(wall, Drive::Fixed).unwrap();
+    }
+    let rubber = NeoHookean::new(1e6, 0.3).unwrap();
+    let metal = J2::new(1e6, 0.3, 3e3, 1e5).unwrap();
+    let models = [
+        cube(1, Element::T4, rubber.into()),
+        cube(2, Element::T4, metal.into()),
+        cube(1, Element::T10, rubber.into()),
+    ];
+    for (k, model) in models.into_iter().enumerate() {
+        let name = format!("cube {k}");
+        world
+            .add_model(&name, model, ContactStiffness::default())
+            .unwrap();
+    }
+    for name in ["A10", "P5"] {
+        let shape: CatalogueShape = name.parse().unwrap();
+        world
+            .add_shape(name, &shape.polyhedron(EDGE).unwrap())
+            .unwrap();
+    }
+    world.add_sphere("ball", 0.5 * EDGE).unwrap();
+    let mut x = 0.3_f64;
+    let mut next = || {
+        x = (x * 997.0 + 0.123).fract();
+        x
+    };
+    let mut places: Vec<usize> = (0..COUNT).collect();
+    for k in (1..COUNT).rev() {
+        places.swap(k, (next() * (k + 1) as f64) as usize);
+    }
+    for (k, place) in places.iter().enumerate() {
+        let (i, j) = (place % 6, place / 6);
+        let at = Vector3::new(1.3 * i as f64 + 0.9, 0.8, 1.6 * j as f64 + 0.9) * EDGE;
+        let turn = UnitQuaternion::from_euler_angles(6.0 * next(), 6.0 * next(), 6.0 * next());
+        let pose = Pose::from_parts(Translation3::from(at), turn);
+        let kind = k as u32 % 3;
+        if k % 2 == 0 {
+            let spec = BodySpec::at_rest(kind, 1500.0, pose);
+            if k == 4 && !sleeping {
+                world.add_driven_body(spec, SHAKE).unwrap();
+            } else {
+                world.add_body(spec).unwrap();
+            }
+        } else {
+            let spec = DeformableSpec {
+                boundary: match k {
+                    1 => held(&world, kind, Drive::Fixed),
+                    7 if !sleeping => held(&world, kind, SHAKE),
+                    _ => Boundary::default(),
+                },
+                ..DeformableSpec::at_rest(kind, pose)
+            };
+            world.add_deformable(spec).unwrap();
+        }
+    }
+    world
+}
+
+/// Holds or drives one side of a cube.
+fn held(world: &World, model: u32, drive: Drive) -> Boundary {
+    let side = Selection::Plane {
+        normal: Vector3::x(),
+        offset: -0.5 * EDGE,
+        tolerance: 1e-6,
+    };
+    let model = world.model(model).unwrap();
+    let mut boundary = Boundary::default();
+    boundary.drive(model, &side, [true; 3], drive).unwrap();
+    boundary
+}
+
+/// All bits of what the bodies have in them.
+fn state(world: &World) -> Vec<Vec<u64>> {
+    let bits = |x: &f64| x.to_bits();
+    let of = |id| {
+        let body = world.deformable(id).unwrap();
+        let stresses = body.stresses().unwrap();
+        let vectors = [
+            body.positions(),
+            body.velocities(),
+            body.internal_forces(),
+            body.contact_forces(),
+        ];
+        let numbers = vectors.into_iter().flatten().flatten().map(bits);
+        let stresses = stresses.iter().flat_map(|s| s.cauchy.iter().map(bits));
+        let numbers = numbers.chain(body.history().iter().map(bits));
+        numbers.chain(stresses).collect()
+    };
+    world.deformable_ids().map(of).collect()
+}
+
+#[test]
+fn deformable_bodies_have_the_same_bits_on_any_ranks() {
+    for sleeping in [false, true] {
+        let world = heap(sleeping);
+        let mut alone = world.clone();
+        let steps = if sleeping { 2400 } else { 700 };
+        let (mut slept, mut woke) = (0, 0);
+        for _ in 0..steps {
+            let before = alone.awake_deformable_count();
+            alone.step().unwrap();
+            let after = alone.awake_deformable_count();
+            slept += usize::from(after < before);
+            woke += usize::from(after > before);
+        }
+        assert_eq!(slept > 0, sleeping, "bodies fell asleep in {slept} steps");
+        assert_eq!(woke > 0, sleeping, "bodies woke in {woke} steps");
+        let flown = alone.ledger().dissipated_plastic;
+        assert!(flown > 0.0, "{flown}");
+        let expected = alone.checksum_of_motion().unwrap();
+        let found = state(&alone);
+        let mut later = alone.clone();
+        for _ in 0..40 {
+            later.step().unwrap();
+        }
+        let sizes: &[usize] = if sleeping { &[1, 2, 3, 4] } else { &[2, 4] };
+        for &size in sizes {
+            let (whole, moved, traffic) = on_ranks(&world, size, steps);
+            assert!(traffic <= 1.06, "{traffic}");
+            assert_eq!(state(&whole), found, "{size} ranks");
+            assert_eq!(
+                whole.checksum_of_motion().unwrap(),
+                expected,
+                "{size} ranks"
+            );
+            let books = [&alone, &whole].map(World::ledger);
+            let ratio = books[0].dissipated() / books[1].dissipated();
+            assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
+            let missing = (books[0].error() - books[1].error()).abs();
+            assert!(missing < 1e-9 * books[0].exchanged, "{missing:e}");
+            assert!(size == 1 || moved > 0, "{moved}");
+            // The whole goes on from a checkpoint.
+            let mut read = World::from_bytes(&whole.to_bytes().unwrap()).unwrap();
+            for _ in 0..40 {
+                read.step().unwrap();
+            }
+            let [read, later] = [&read, &later].map(|world| world.checksum_of_motion().unwrap());
+            assert_eq!(read, later, "{size} ranks");
+        }
+    }
+}
