@@ -148,7 +148,7 @@ impl FreeBody {
         self.inertia.centre
     }
 
-    /// Diameter of the largest ball inside about a node or the middle of an element, m.
+    /// Diameter of the largest ball inside, m.
     #[must_use]
     pub fn inscribed_diameter(&self) -> f64 {
         self.inscribed

@@ -2,7 +2,7 @@
 
 use femdem_mesh::bvh::{Aabb, Bvh};
 use femdem_mesh::tet::FACES;
-use femdem_mesh::{Matrix3, Point3, TetMesh, closest_point};
+use femdem_mesh::{Matrix3, Point3, TetMesh, Vector3, closest_point};
 
 /// A point of a body in one of its tetrahedra.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +15,9 @@ pub(super) struct Place {
 
 /// Points at most this far outside a tetrahedron, in barycentric coordinates, count as inside.
 const ON_FACE: f64 = 1e-9;
+
+/// Shortest step of the search for the deepest point, over its depth.
+const FINEST: f64 = 1e-3;
 
 /// Finds places.
 #[derive(Debug)]
@@ -76,19 +79,38 @@ impl Places {
         })
     }
 
-    /// Diameter of the largest ball in the body about a node or the middle of a tetrahedron (m).
+    /// Diameter of the largest ball in the body (m): the deepest node or middle of a tetrahedron, moved along the axes while it
+    /// gets deeper.
     pub fn inscribed_diameter(&self) -> f64 {
-        let middle = |tet: &[Point3; 4]| {
-            Point3::from(tet.iter().map(|p| p.coords).sum::<femdem_mesh::Vector3>() / 4.0)
-        };
+        let middle =
+            |tet: &[Point3; 4]| Point3::from(tet.iter().map(|p| p.coords).sum::<Vector3>() / 4.0);
+        let depth = |x: &Point3| self.on_skin(x).map_or(0.0, |(_, on)| (on - x).norm());
         let middles = self.tets.iter().map(middle);
-        let all = middles.chain(self.tets.iter().flatten().copied());
-        let depth = |x: Point3| Some((self.on_skin(&x)?.1 - x).norm());
-        2.0 * all.filter_map(depth).fold(0.0, f64::max)
+        let mut deepest = (0.0, Point3::origin());
+        for x in middles.chain(self.tets.iter().flatten().copied()) {
+            let own = depth(&x);
+            if own > deepest.0 {
+                deepest = (own, x);
+            }
+        }
+        // Steps shorter than the depth do not leave the body.
+        let mut step = 0.5 * deepest.0;
+        while step > FINEST * deepest.0 {
+            let ways = (0..3).flat_map(|k| [-step, step].map(|way| Vector3::ith(k, way)));
+            let moved = ways.map(|way| deepest.1 + way);
+            let best = moved
+                .map(|x| (depth(&x), x))
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            match best {
+                Some(best) if best.0 > deepest.0 => deepest = best,
+                _ => step *= 0.5,
+            }
+        }
+        2.0 * deepest.0
     }
 
     /// The triangle of the skin nearest to a point, and its nearest point.
-    fn on_skin(&self, x: &Point3) -> Option<(u32, Point3)> {
+    pub fn on_skin(&self, x: &Point3) -> Option<(u32, Point3)> {
         let on = |face: u32| closest_point(&self.skin[face as usize].0, x);
         let distance = |face: u32| (on(face) - x).norm_squared();
         let (face, _) = self.skin_tree.nearest(x, distance)?;

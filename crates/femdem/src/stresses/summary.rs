@@ -53,7 +53,7 @@ pub struct StressSummary {
     pub tension: Quantiles,
     /// Largest von Mises stress away from contacts \[Pa\], of the bodies that have one.
     pub von_mises: Quantiles,
-    /// Bound of the tension by the largest pair of opposing forces \[Pa\].
+    /// Bound of the tension by the largest force \[Pa\].
     pub bound: Quantiles,
     /// Bodies whose tension is above the strength, if there is one.
     pub above_strength: Option<usize>,
