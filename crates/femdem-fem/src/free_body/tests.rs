@@ -220,7 +220,9 @@ fn stresses_turn_with_body_and_loads() {
         .unwrap();
     let back = |s: &Matrix3| turn.inverse().matrix() * s * turn.matrix();
     let back: Vec<Matrix3> = after.corners().iter().map(back).collect();
-    assert!(worst(&back, before.corners()) < 0.02);
+    // The points of the disc turn about its normal, as their first direction is that of an axis.
+    let apart = worst(&back, before.corners());
+    assert!(apart < 1e-3, "{apart}");
 }
 
 /// A ball of diameter 1 m from points on a spiral.
@@ -280,6 +282,26 @@ fn a_ball_between_two_point_forces_splits() {
         "{peaks:?}"
     );
     assert!(body.splitting_bound(&loads) > 0.98 * peaks.tension.unwrap());
+}
+
+#[test]
+fn the_bound_takes_the_largest_force_and_the_smallest_width() {
+    let body = body(&block(), Element::T4);
+    assert!((body.inscribed_diameter() / 0.03 - 1.0).abs() < 1e-3);
+    let largest = loads()[0].force.norm();
+    let bound = body.splitting_bound(&loads());
+    assert!(
+        (bound / (0.9 * largest / 9e-4) - 1.0).abs() < 3e-3,
+        "{bound}"
+    );
+    // Without a node away from contacts there is no tension there.
+    let everywhere = body.model().mesh().points().iter().map(|point| PatchLoad {
+        point: *point,
+        ..loads()[0]
+    });
+    let solved = body.solve_patches(&[]).unwrap();
+    let peaks = body.peaks(&solved, &everywhere.collect::<Vec<_>>());
+    assert_eq!((peaks.tension, peaks.tension_anywhere), (None, 0.0));
 }
 
 #[test]

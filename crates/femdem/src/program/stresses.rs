@@ -25,7 +25,7 @@ The folder then holds
 /// Options of `femdem stresses`.
 #[derive(Debug, Args)]
 pub(crate) struct StressesArgs {
-    /// Folder of a run of `femdem pack` or `femdem run`, or with bodies.csv, contacts.csv and surfaces from elsewhere
+    /// Folder of a run, which holds pack.ckpt or run.ckpt, or of a pack from elsewhere, which holds bodies.csv
     pub folder: PathBuf,
 
     /// Tensile strength of the material in Pa: tells which bodies would crack
