@@ -33,6 +33,7 @@
 //!   [`Drive`] prescribes a motion in time.
 //! - [`fracture`]: where and when a brittle body cracks.
 //! - [`statics`]: equilibrium of a single body by relaxation or by Newton's method.
+//! - `free_body`, with the feature `implicit`: stresses of a free body under given forces, by a linear solve.
 //!
 //! # Units
 //!
@@ -42,7 +43,7 @@
 //!
 //! - `parallel` (default): the work for each element on the caller's rayon pool
 //!   ([`DeformableModel::internal_forces_parallel`]); the same bits without it.
-//! - `implicit`: sparse Cholesky factorisation ([`statics::Linear::Cholesky`]), which adds the dependency faer.
+//! - `implicit`: sparse Cholesky factorisation ([`statics::Linear::Cholesky`], `free_body`), which adds the dependency faer.
 //!
 //! # Accuracy
 //!
@@ -53,6 +54,8 @@ mod drive;
 pub mod element;
 mod error;
 pub mod fracture;
+#[cfg(feature = "implicit")]
+pub mod free_body;
 pub mod material;
 mod model;
 pub mod statics;

@@ -98,6 +98,12 @@ pub enum Error {
         /// What is known.
         known: String,
     },
+    /// A pack does not tell what acts on its bodies.
+    #[error("the stresses inside bodies follow from the forces on them: {what}")]
+    NoForces {
+        /// What is missing, and what to do.
+        what: &'static str,
+    },
     /// A scene file is not TOML, or has a wrong key or value.
     #[error("{}: {message}", path.display())]
     Scene {

@@ -57,8 +57,7 @@
 //!
 //! # Features
 //! - `parallel` (default): contacts and analysis use the caller's rayon pool. Results are the same bits at any
-//!   number of threads and without the feature. (Pictures always use the pool, and are the same, too.)
-//! - `implicit`: sparse Cholesky factorisation in the static solvers of [`fem::statics`].
+//!   number of threads and without the feature. (Pictures and [`stresses`] always use the pool, and are the same, too.)
 //!
 //! # Accuracy
 //! Contact is by penalty: bodies overlap by a stated amount ([`Summary::penetration`]), and equilibrium holds
@@ -68,11 +67,15 @@
 
 pub mod analysis;
 mod error;
+mod grid;
+mod means;
+mod meshing;
 pub mod program;
 pub mod resolve;
 pub mod results;
 pub mod run;
 pub mod scene;
+pub mod stresses;
 mod toml_file;
 
 // Each as a line of the docs: listed here, their items would be there twice, and all those of nalgebra with them.

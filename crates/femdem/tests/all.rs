@@ -30,4 +30,5 @@ mod scene_statics;
 mod scene_walls;
 mod shapes;
 mod sizes;
+mod stresses;
 mod surfaces;

@@ -2,21 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-use femdem::pack::Packing;
+use crate::common::pack;
 use femdem::resolve::{ResolveOptions, resolve};
-use femdem::{Scene, results};
-
-/// A few bodies at rest, and what they are resolved with.
-fn pack(shape: &str, count: u32) -> Packing {
-    let scene = Scene {
-        shape: vec![shape.to_owned()],
-        count,
-        ..Scene::default()
-    };
-    let mut packing = Packing::new(scene.spec().unwrap()).unwrap();
-    packing.run().unwrap();
-    packing
-}
+use femdem::results;
 
 /// Bodies come to rest without moving from their places, with the contact forces that they had, and their mean
 /// stresses are those of the forces on them. This holds for convex bodies, also those that a lattice would not

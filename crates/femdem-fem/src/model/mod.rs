@@ -9,6 +9,8 @@ mod comparison;
 mod coupling;
 mod forces;
 mod ledger;
+#[cfg(feature = "implicit")]
+mod linear;
 mod loads;
 mod nodal;
 #[cfg(feature = "parallel")]

@@ -8,7 +8,7 @@ use femdem_mesh::Vector3;
 
 /// A body under the loads and with the supports of one time. Its unknowns are the coordinates of all nodes;
 /// held ones have no residual and do not move.
-pub(super) struct BodyProblem<'a> {
+pub(crate) struct BodyProblem<'a> {
     model: &'a DeformableModel,
     boundary: &'a Boundary,
     /// Time of the loads, s, and the fraction of them that acts.
@@ -45,7 +45,7 @@ const ROUNDINGS: f64 = 4.0;
 impl<'a> BodyProblem<'a> {
     /// # Errors
     /// If the arrays do not match the model, or an element has no tangent at the start.
-    pub(super) fn new(
+    pub(crate) fn new(
         model: &'a DeformableModel,
         boundary: &'a Boundary,
         start: &DeformableState,

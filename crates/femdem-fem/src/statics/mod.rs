@@ -49,6 +49,8 @@ mod body;
 mod cg;
 #[cfg(feature = "implicit")]
 mod cholesky;
+#[cfg(feature = "implicit")]
+mod factor;
 mod line_search;
 mod linear;
 mod newton;
@@ -60,6 +62,9 @@ mod sparse;
 #[cfg(test)]
 mod testing;
 mod vector;
+
+#[cfg(feature = "implicit")]
+pub(crate) use {body::BodyProblem, factor::Factor, sparse::LowerTriangle};
 
 pub use linear::Linear;
 pub use newton::{Newton, NewtonOptions, NewtonReport, newton};

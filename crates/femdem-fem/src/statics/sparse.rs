@@ -6,10 +6,10 @@ use crate::FemError;
 
 /// A symmetric matrix; the diagonal is stored in full, each column's first entry.
 #[derive(Debug, Default)]
-pub(super) struct LowerTriangle {
-    pub(super) starts: Vec<usize>,
-    pub(super) rows: Vec<usize>,
-    pub(super) values: Vec<f64>,
+pub(crate) struct LowerTriangle {
+    pub(crate) starts: Vec<usize>,
+    pub(crate) rows: Vec<usize>,
+    pub(crate) values: Vec<f64>,
     /// The index in `values` of the k-th entry on or below the diagonal that the problem passes.
     places: Vec<usize>,
 }
@@ -19,7 +19,7 @@ impl LowerTriangle {
     ///
     /// # Errors
     /// Of the problem's tangent.
-    pub(super) fn assemble<P: StaticProblem + ?Sized>(
+    pub(crate) fn assemble<P: StaticProblem + ?Sized>(
         &mut self,
         problem: &mut P,
         x: &[f64],
@@ -94,8 +94,14 @@ impl LowerTriangle {
         Ok(())
     }
 
+    /// Number of rows.
+    #[cfg(feature = "implicit")]
+    pub(crate) fn size(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
     /// Row, column and value of each entry on or below the diagonal.
-    pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> {
         self.starts.windows(2).enumerate().flat_map(|(j, ends)| {
             let column = ends[0]..ends[1];
             let rows = self.rows[column.clone()].iter().zip(&self.values[column]);
@@ -104,7 +110,7 @@ impl LowerTriangle {
     }
 
     /// y = A x.
-    pub(super) fn product(&self, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn product(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for (j, ends) in self.starts.windows(2).enumerate() {
             let [from, to] = [ends[0], ends[1]];

@@ -13,6 +13,7 @@ use super::pores::PoresArgs;
 use super::report::ReportArgs;
 use super::resolve::ResolveArgs;
 use super::run::SceneArgs;
+use super::stresses::StressesArgs;
 use super::sweep::SweepArgs;
 
 /// Pack bodies of any shape, rigid or deformable, or let them collide, and measure what comes of it
@@ -40,6 +41,7 @@ Examples:
   femdem report out/a10                            a page for the browser
   femdem picture out/a10 --view front --colour force --out a10.png
   femdem pores out/a10                             the void between the bodies, for flow codes
+  femdem stresses out/a10 --strength 5e6           the stresses inside the bodies, and which would crack
   femdem sweep pack.toml --vary friction=0.2,0.4,0.6 --seeds 5
   femdem shapes                                    what --shape knows
 
@@ -98,6 +100,9 @@ pub(crate) enum Command {
     /// Make the void of a pack usable by flow codes: voxels, distances, pore sizes, paths, closed surfaces
     #[command(after_help = super::pores::HELP)]
     Pores(Box<PoresArgs>),
+    /// Find the stresses inside the bodies of a pack, body by body, under the forces of their contacts
+    #[command(after_help = super::stresses::HELP, allow_negative_numbers = true)]
+    Stresses(StressesArgs),
     /// Make the bodies of a pack deformable where they lie, and find the stresses inside them
     #[command(after_help = super::resolve::HELP, allow_negative_numbers = true)]
     Resolve(ResolveArgs),

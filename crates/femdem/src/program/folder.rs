@@ -70,7 +70,7 @@ pub(crate) fn warn_of_old_results(folder: &Path, page_follows: bool) {
         let is_made_anew = page_follows && name == "report.html";
         folder.join(name).exists() && !is_made_anew
     };
-    let mut old = vec!["analysis.json", "resolved", "report.html"];
+    let mut old = vec!["analysis.json", "resolved", "stresses", "report.html"];
     old.retain(|name| kept(name));
     if !old.is_empty() {
         super::complain(&format!(

@@ -23,6 +23,7 @@ mod running;
 mod shapes;
 mod source;
 mod stages;
+mod stresses;
 mod sweep;
 
 use std::ffi::OsString;
@@ -140,6 +141,7 @@ fn carry_out(command: Command) -> Result<Outcome> {
         Command::Report(args) => report::run(&args),
         Command::Pores(args) => pores::run(&args),
         Command::Resolve(args) => resolve::run(&args),
+        Command::Stresses(args) => stresses::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Shapes(args) => shapes::run(&args).map(|()| Outcome::Finished),
     }

@@ -1,6 +1,6 @@
 //! `femdem resolve`: stresses inside the bodies of a pack.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::Args;
@@ -83,8 +83,8 @@ impl ResolveArgs {
 }
 
 /// Refuses a pack that is not finished; warns if it is finished but did not come to rest.
-fn check_rest(packing: &Packing, args: &ResolveArgs) -> Result<()> {
-    let shown = args.folder.display();
+pub(super) fn check_rest(packing: &Packing, folder: &Path) -> Result<()> {
+    let shown = folder.display();
     if !packing.is_done() {
         let at = packing.progress();
         bail!(
@@ -105,7 +105,7 @@ fn check_rest(packing: &Packing, args: &ResolveArgs) -> Result<()> {
 pub(crate) fn run(args: &ResolveArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
         let saved = folder::load(&args.folder)?;
-        check_rest(&saved.packing, args)?;
+        check_rest(&saved.packing, &args.folder)?;
         let out = match &args.out {
             Some(out) => out.clone(),
             None => args.folder.join("resolved"),

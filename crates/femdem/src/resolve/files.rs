@@ -11,6 +11,7 @@ use femdem_view::output::write_file;
 use serde::Serialize;
 
 use super::{BodyMean, ResolveOptions, Resolved};
+use crate::means::{COMPONENTS, median_and_largest};
 use crate::{Drawing, Error};
 
 /// The contents of `resolve.json`.
@@ -51,12 +52,7 @@ impl Resolved {
             .sum::<f64>()
             / count;
         let largest = self.bodies.iter().map(|b| b.largest_von_mises);
-        let spread = |k: usize| {
-            let mut all: Vec<f64> = self.bodies.iter().map(|b| b.differences()[k]).collect();
-            all.sort_by(f64::total_cmp);
-            let at = |i: usize| all.get(i).copied().unwrap_or(0.0);
-            [at(all.len() / 2), at(all.len().saturating_sub(1))]
-        };
+        let spread = |k: usize| median_and_largest(self.bodies.iter().map(|b| b.differences()[k]));
         ResolveSummary {
             schema: 1,
             options: *options,
@@ -167,9 +163,6 @@ const COLUMNS: [&str; 21] = [
     "contacts_zx_pa",
     "contacts_xy_pa",
 ];
-
-/// Places of the components xx, yy, zz, yz, zx, xy.
-const COMPONENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)];
 
 impl Table for BodyMeans<'_> {
     fn columns(&self) -> &'static [&'static str] {

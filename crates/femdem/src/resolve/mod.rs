@@ -41,6 +41,8 @@ use femdem_view::ViewError;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::means::{difference, symmetric};
+use crate::meshing::options_of;
 use crate::results::surface_of;
 use crate::run::{Member, Penalty, Simulation};
 
@@ -96,14 +98,7 @@ impl BodyMean {
     /// difference over that of the elements; 0 without stress.
     #[must_use]
     pub fn differences(&self) -> [f64; 2] {
-        let size = self.elements.norm();
-        [self.nodes, self.contacts].map(|other| {
-            if size > 0.0 {
-                (self.elements - other).norm() / size
-            } else {
-                0.0
-            }
-        })
+        [self.nodes, self.contacts].map(|other| difference(&self.elements, &other))
     }
 }
 
@@ -229,11 +224,7 @@ fn mesh_of(shape: &Shape, size: f64) -> Result<(TetMesh, Field), Error> {
         return Ok((mesh.clone(), *field));
     }
     let surface = surface_of(shape);
-    let edge = size * 2.0 * surface.bounding_radius();
-    let options = MeshOptions {
-        edge_length: Some(edge),
-        ..MeshOptions::default()
-    };
+    let options = options_of(&surface, size);
     let (mesh, report) = tet::mesh(&surface, &options)?;
     if report.method == Method::CentroidFan || mesh.surface()?.is_convex() {
         return Ok((mesh, Field::Gauge));
@@ -302,8 +293,4 @@ fn means(world: &World) -> Result<Vec<BodyMean>, Error> {
         }
     }
     Ok(bodies)
-}
-
-fn symmetric(m: &Matrix3) -> Matrix3 {
-    (m + m.transpose()) * 0.5
 }

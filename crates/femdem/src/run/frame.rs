@@ -1,11 +1,4 @@
 //! A frame of a simulation, in files for ParaView.
-//!
-//! Deformable bodies are tetrahedra (VTK type 10) or quadratic tetrahedra (24), all in one grid.
-//! Point data: `displacement` (m, from where the body was placed), `velocity` (m/s). Cell data: `body`
-//! (number among the members), `region`, `von_mises`, `pressure` (Pa, positive in compression),
-//! `principal_stress` (Pa, three components, largest first), `stress` (Pa, the components xx, yy, zz, xy, yz
-//! and xz, tension positive), `volume_ratio`, `sleeping` (1 where the body is frozen), `plastic_strain` where a material has
-//! one, and where bodies may break `fragment` (the row of `fragments.csv`, −1 of others) and `damage` (the largest of the facets).
 
 use std::io::{self, Write};
 
@@ -17,10 +10,8 @@ use femdem_view::output::vtu;
 
 use super::contacts::{ContactLine, Side};
 use super::{Member, Simulation};
+use crate::grid::{GridBody, write_grid};
 use crate::{Body, Error, NamedShape, Snapshot};
-
-const VTK_TETRA: u8 = 10;
-const VTK_QUADRATIC_TETRA: u8 = 24;
 
 /// A deformable body with its stresses.
 pub(super) struct Strained<'a> {
@@ -31,6 +22,21 @@ pub(super) struct Strained<'a> {
     pub stresses: Vec<ElementStress>,
     /// If a material has one.
     pub plastic_strains: Option<Vec<f64>>,
+}
+
+impl Strained<'_> {
+    fn in_grid(&self) -> GridBody<'_> {
+        GridBody {
+            number: self.member,
+            placed: self.entry.placed,
+            model: self.body.model(),
+            positions: self.body.positions().into(),
+            velocities: Some(self.body.velocities()),
+            stresses: &self.stresses,
+            is_asleep: self.body.is_asleep(),
+            plastic_strains: self.plastic_strains.as_deref(),
+        }
+    }
 }
 
 impl Simulation {
@@ -99,7 +105,13 @@ impl Simulation {
             .strained()
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
         let cracks = self.has_breakable().then(|| self.cracks_of_tets());
-        write_grid(&bodies, cracks.as_ref(), writer)
+        let bodies: Vec<GridBody> = bodies.iter().map(Strained::in_grid).collect();
+        write_grid(&bodies, writer, |out| {
+            if let Some(CracksOfTets { fragment, damage }) = &cracks {
+                out.integers("fragment", fragment.iter().copied());
+                out.floats("damage", 1, damage.iter().copied());
+            }
+        })
     }
 
     /// Writes the contacts as a VTP file: a point for each, with `force` on B and `normal` from A to B,
@@ -145,96 +157,6 @@ impl Simulation {
         }
         CracksOfTets { fragment, damage }
     }
-}
-
-fn write_grid(
-    bodies: &[Strained],
-    cracks: Option<&CracksOfTets>,
-    writer: impl Write,
-) -> io::Result<()> {
-    let points: usize = bodies.iter().map(|b| b.body.positions().len()).sum();
-    let cells: usize = bodies.iter().map(|b| b.stresses.len()).sum();
-    let mut out = Document::new("UnstructuredGrid");
-    out.line(&format!(
-        "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<Points>"
-    ));
-    let positions = bodies.iter().flat_map(|b| b.body.positions());
-    out.floats("points", 3, positions.flat_map(|x| <[f64; 3]>::from(*x)));
-    out.line("</Points>\n<Cells>");
-    let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
-    let mut first = 0;
-    for body in bodies {
-        let model = body.body.model();
-        let kind = if model.element().is_quadratic() {
-            VTK_QUADRATIC_TETRA
-        } else {
-            VTK_TETRA
-        };
-        for nodes in model.elements() {
-            // The order of the nodes is VTK's.
-            connectivity.extend(nodes.iter().map(|&node| first + i64::from(node)));
-            offsets.push(connectivity.len() as i64);
-            types.push(kind);
-        }
-        first += model.nodes().len() as i64;
-    }
-    out.integers("connectivity", connectivity);
-    out.integers("offsets", offsets);
-    out.bytes("types", types);
-    out.line("</Cells>\n<PointData Vectors=\"displacement\">");
-    point_data(&mut out, bodies);
-    out.line("</PointData>\n<CellData Scalars=\"von_mises\">");
-    cell_data(&mut out, bodies);
-    if let Some(CracksOfTets { fragment, damage }) = cracks {
-        out.integers("fragment", fragment.iter().copied());
-        out.floats("damage", 1, damage.iter().copied());
-    }
-    out.line("</CellData>\n</Piece>");
-    out.finish(writer)
-}
-
-fn point_data<'a>(out: &mut Document<'a>, bodies: &'a [Strained]) {
-    let displacement = |b: &Strained| -> Vec<f64> {
-        let pose = b.entry.placed;
-        let nodes = b.body.positions().iter().zip(b.body.model().nodes());
-        let moved =
-            nodes.map(|(x, reference)| x - (pose.rotation * reference + pose.translation.vector));
-        moved.flat_map(<[f64; 3]>::from).collect()
-    };
-    out.floats("displacement", 3, bodies.iter().flat_map(displacement));
-    let velocities = bodies.iter().flat_map(|b| b.body.velocities());
-    out.floats("velocity", 3, velocities.flat_map(|v| <[f64; 3]>::from(*v)));
-}
-
-fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [Strained]) {
-    let number = |b: &Strained| vec![b.member as i64; b.stresses.len()];
-    out.integers("body", bodies.iter().flat_map(number));
-    let regions = bodies.iter().flat_map(|b| b.body.model().region_of_tet());
-    out.integers("region", regions.map(|r| i64::from(*r)));
-    let stresses = || bodies.iter().flat_map(|b| &b.stresses);
-    out.floats("von_mises", 1, stresses().map(ElementStress::von_mises));
-    out.floats("pressure", 1, stresses().map(ElementStress::pressure));
-    out.floats(
-        "principal_stress",
-        3,
-        stresses().flat_map(ElementStress::principal),
-    );
-    out.floats("stress", 6, stresses().flat_map(components));
-    out.floats("volume_ratio", 1, stresses().map(|s| s.volume_ratio));
-    let asleep = |b: &Strained| vec![u8::from(b.body.is_asleep()); b.stresses.len()];
-    out.bytes("sleeping", bodies.iter().flat_map(asleep));
-    if bodies.iter().any(|b| b.plastic_strains.is_some()) {
-        let strains = |b: &Strained| {
-            let zero = || vec![0.0; b.stresses.len()];
-            b.plastic_strains.clone().unwrap_or_else(zero)
-        };
-        out.floats("plastic_strain", 1, bodies.iter().flat_map(strains));
-    }
-}
-
-/// The stress in VTK's order of a symmetric tensor.
-fn components(stress: &ElementStress) -> [f64; 6] {
-    [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].map(|place| stress.cauchy[place])
 }
 
 /// `walls` has the numbers of the walls, which have gaps where some were taken away; a wall is named by its place among them.

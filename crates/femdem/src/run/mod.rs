@@ -121,6 +121,7 @@ pub use origin::Origin;
 pub use overlap::Overlap;
 pub use penalty::{ExpectedDepth, Forecast};
 pub use periodic::CellEntry;
+pub(crate) use picture::unit_of;
 pub use relaxation::{RelaxEntry, RelaxSummary};
 pub use rest::RestSummary;
 pub use revolved::{ConeEntry, CylinderEntry, Ends, PlateEntry, SiloEntry};

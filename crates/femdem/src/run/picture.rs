@@ -87,7 +87,7 @@ fn scale(title: &str, note: &str, range: [f64; 2], spacing: Spacing) -> BodyValu
 }
 
 /// A unit of stress \[Pa\] that makes numbers up to `most` easy to read.
-fn unit_of(most: f64) -> (f64, &'static str) {
+pub(crate) fn unit_of(most: f64) -> (f64, &'static str) {
     match most {
         m if m >= 2e9 => (1e9, "GPa"),
         m if m >= 2e6 => (1e6, "MPa"),

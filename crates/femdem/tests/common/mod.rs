@@ -3,6 +3,8 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+use femdem::Scene;
+use femdem::pack::Packing;
 use std::path::Path;
 use std::process::{Child, Command, Output};
 
@@ -26,6 +28,18 @@ pub const TINY: [&str; 12] = [
 pub const WEDGE: &str = "\
 v 0 0 0\nv 0.1 0 0\nv 0.1 0.2 0\nv 0 0.2 0\nv 0 0 0.1\nv 0 0.2 0.1\n\
 f 1 4 3 2\nf 1 2 5\nf 4 6 3\nf 2 3 6 5\nf 1 5 6 4\n";
+
+/// A few bodies at rest.
+pub fn pack(shape: &str, count: u32) -> Packing {
+    let scene = Scene {
+        shape: vec![shape.to_owned()],
+        count,
+        ..Scene::default()
+    };
+    let mut packing = Packing::new(scene.spec().unwrap()).unwrap();
+    packing.run().unwrap();
+    packing
+}
 
 /// A call of the program.
 pub fn femdem(subcommand: &str) -> Command {
