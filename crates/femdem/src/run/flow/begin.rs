@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use femdem_mesh::Vector3;
 
 use super::SourceEntry;
-use super::kinds::{Kinds, mean_mass};
-use super::state::{Count, Flow, Gate, Opening, Supply};
+use super::kinds::Kinds;
+use super::state::{Count, Flow, Gate, Opening, Supply, mean_mass};
 use crate::Error;
 use crate::error::wrong;
 use crate::run::words::in_entry;

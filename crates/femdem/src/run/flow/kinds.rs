@@ -3,38 +3,15 @@
 use std::f64::consts::PI;
 
 use femdem_pack::Grading;
-use femdem_solve::ShapeId;
-use serde::{Deserialize, Serialize};
 
 use super::SourceEntry;
+use super::state::Kind;
 use crate::Error;
 use crate::run::Simulation;
 use crate::run::geometry::Geometry;
 
 /// Bodies whose mean mass stands for that of all where their number follows from it.
 const MANY: u64 = 1000;
-
-/// Bodies of one size of a source.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Kind {
-    pub shape: ShapeId,
-    /// Mass of one \[kg\].
-    pub mass: f64,
-    /// Distance of the farthest point from the centroid \[m\].
-    pub radius: f64,
-    /// Number of bodies of this size and of all smaller ones, before the sizes come anew.
-    pub end: u32,
-}
-
-/// The mean mass of bodies of some kinds \[kg\].
-pub(super) fn mean_mass(kinds: &[Kind]) -> f64 {
-    let (mut sum, mut before) = (0.0, 0);
-    for kind in kinds {
-        sum += f64::from(kind.end - before) * kind.mass;
-        before = kind.end;
-    }
-    sum / f64::from(before)
-}
 
 /// The kinds of a source, its bodies per second, and how many there are.
 pub(super) struct Kinds {

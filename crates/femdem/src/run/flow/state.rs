@@ -4,10 +4,10 @@ use femdem_contact::MaterialId;
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::{Pose, Vector3};
 use femdem_pack::{body_stream, random_rotation, shuffled, uniform};
+use femdem_solve::ShapeId;
 use serde::{Deserialize, Serialize};
 
 use super::entry::WHOLE;
-use super::kinds::{Kind, mean_mass};
 
 /// What comes, goes and is counted in a simulation, and which walls open.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -128,6 +128,28 @@ pub struct Supply {
     /// Places tried so far.
     pub(super) tried: u32,
     pub(super) come: Count,
+}
+
+/// Bodies of one size of a source.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kind {
+    pub shape: ShapeId,
+    /// Mass of one \[kg\].
+    pub mass: f64,
+    /// Distance of the farthest point from the centroid \[m\].
+    pub radius: f64,
+    /// Number of bodies of this size and of all smaller ones, before the sizes come anew.
+    pub end: u32,
+}
+
+/// The mean mass of bodies of some kinds \[kg\].
+pub(super) fn mean_mass(kinds: &[Kind]) -> f64 {
+    let (mut sum, mut before) = (0.0, 0);
+    for kind in kinds {
+        sum += f64::from(kind.end - before) * kind.mass;
+        before = kind.end;
+    }
+    sum / f64::from(before)
 }
 
 impl Supply {

@@ -3,8 +3,7 @@
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_solve::{BodySpec, ShapeId};
 
-use super::kinds::Kind;
-use super::state::Supply;
+use super::state::{Kind, Supply};
 use crate::Error;
 use crate::run::{Member, Simulation};
 
