@@ -82,7 +82,7 @@ pub use penalty::{
     penalty_under_stress,
 };
 pub use protocol::{Landing, Pour, Protocol, Release, Sequential};
-pub use random::{body_stream, random_rotation, shuffled, uniform};
+pub use random::{body_stream, random_rotation, uniform};
 pub use report::{PackReport, Relaxation, Verification};
 pub use sizes::{Grading, Measure, SizeClass, Sizes};
 pub use spec::{Mixing, PackShape, PackSpec, Settling};

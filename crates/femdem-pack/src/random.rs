@@ -24,7 +24,7 @@ pub fn uniform(rng: &mut impl Rng) -> f64 {
 /// The place of a body in a random order of `count` bodies that depends on the seed alone: a Feistel network on the
 /// smallest even number of bits that holds the bodies, repeated until it comes out among them (Black and Rogaway,
 /// "Ciphers with arbitrary finite domains", 2002). No list of the order has to be kept.
-pub fn shuffled(body: BodyId, count: u32, seed: u64) -> u32 {
+pub(crate) fn shuffled(body: BodyId, count: u32, seed: u64) -> u32 {
     const ROUNDS: u64 = 8;
     let bits = u32::BITS - count.saturating_sub(1).leading_zeros();
     let half = bits.div_ceil(2).max(1);

@@ -208,6 +208,20 @@ impl Grading {
         }
     }
 
+    /// Sizes, m, by rising size, and their shares of the mass; of a curve those of so many [`bodies`](Self::bodies).
+    pub fn mass_shares(&self, count: u32) -> Vec<[f64; 2]> {
+        match &self.form {
+            Form::Steps(steps) => steps.clone(),
+            Form::Curve(nodes) => {
+                let bodies = strata(nodes, count.max(1));
+                let of = |class: &SizeClass| f64::from(class.count) * class.diameter.powi(3);
+                let total: f64 = bodies.iter().map(of).sum();
+                let share = |class: &SizeClass| [class.diameter, of(class) / total];
+                bodies.iter().map(share).collect()
+            }
+        }
+    }
+
     /// Largest error of the passing of bodies at the points of the curve: each size with a share, those of a sieve curve, and
     /// every twentieth of the mass of a sieve curve or of a formula. Bodies come by rising size.
     pub fn deviation(&self, bodies: &[SizeClass]) -> f64 {

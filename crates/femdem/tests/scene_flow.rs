@@ -368,7 +368,9 @@ fn a_source_brings_bodies_by_their_shares_of_the_mass() {
     for (end, count) in [
         ("number = 18".to_owned(), [16, 2]),
         (format!("mass = {}", 32.001 * small), [16, 2]),
+        // It ends before the body that would be too much.
         (format!("mass = {}", 31.9 * small), [15, 2]),
+        (format!("mass = {}", 5.0 * small), [4, 0]),
     ] {
         let text = text.replace("number = 12", &end);
         let folder = tempdir().unwrap();
@@ -382,6 +384,6 @@ fn a_source_brings_bodies_by_their_shares_of_the_mass() {
         assert_eq!([of(small), of(8.0 * small)], count, "{end}: {masses:?}");
         assert_eq!(masses.len(), count.iter().sum::<usize>());
         // In no order of size.
-        assert!(!masses.is_sorted(), "{masses:?}");
+        assert!(count[1] == 0 || !masses.is_sorted(), "{masses:?}");
     }
 }

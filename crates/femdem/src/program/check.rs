@@ -136,9 +136,8 @@ pub(crate) fn report(run: &Run, threads: usize) -> Result<()> {
 
 /// Mean number of bodies over the duration, if none leaves.
 fn mean_bodies(simulation: &Simulation, scenario: &Scenario) -> f64 {
-    let now = simulation.world.time();
     let present = simulation.world.rigid_count() + simulation.world.deformable_count();
-    let others = (present as u64).saturating_sub(simulation.bodies_due(now));
+    let others = (present as u64).saturating_sub(simulation.bodies_come());
     let at = |part: u32| {
         let time = scenario.duration * (f64::from(part) + 0.5) / f64::from(PARTS);
         simulation.bodies_due(time) as f64

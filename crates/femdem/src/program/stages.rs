@@ -64,12 +64,13 @@ fn refuse_others(stages: &[Stage]) -> Result<()> {
         return Ok(());
     };
     let mut run = Run::new(first.scenario.clone())?;
+    let mut brings = false;
     for stage in others {
         // Bodies that sources bring are not there yet, so that only what never changes can be compared.
-        let brings = !run.scenario().source.is_empty();
+        brings |= !run.scenario().source.is_empty();
         match run.followed_by(&stage.scenario) {
             Ok(next) => run = next,
-            Err(error) if brings && !matches!(error, femdem::Error::Fixed { .. }) => break,
+            Err(error) if brings && !matches!(error, femdem::Error::Fixed { .. }) => {}
             Err(error) => return Err(error).with_context(|| format!("stage {}", stage.name)),
         }
     }

@@ -4,7 +4,7 @@ use femdem_contact::{MaterialId, Wall, WallShape};
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_solve::World;
 
-use super::flow::Supply;
+use super::flow::{Kind, Supply};
 use super::{Scenario, Simulation};
 
 /// Directions over half a turn in which the width of a body is measured.
@@ -262,16 +262,16 @@ fn floor_under(body: &Placed, bearing: &[(&Wall, Pose)], axes: &[Vector3; 3], lo
     if highest.is_finite() { highest } else { lowest }
 }
 
-/// The largest body of a source: at the highest place at which it may come, above the middle of the box. `None`
-/// if all have come.
-fn of_source(supply: &Supply, member: usize, axes: &[Vector3; 3], world: &World) -> Option<Placed> {
-    if supply.is_done() {
-        return None;
-    }
+/// A body of a source: at the highest place at which it may come, above the middle of the box.
+fn of_source(
+    (supply, kind): (&Supply, &Kind),
+    member: usize,
+    axes: &[Vector3; 3],
+    world: &World,
+) -> Option<Placed> {
     let [low, high] = [supply.lower, supply.upper].map(Vector3::from);
     let middle = |axis: &Vector3| 0.5 * axis.dot(&(low + high));
     let half = 0.5 * (high - low).abs().dot(&axes[0].abs());
-    let kind = supply.largest();
     let shape = world.shape(kind.shape)?;
     let centre = [middle(&axes[0]) + half, middle(&axes[1]), middle(&axes[2])];
     Some(Placed {
@@ -337,8 +337,14 @@ impl Simulation {
             })
         });
         let sources = (self.members.len()..).zip(&self.flow.supplies);
-        let come =
-            sources.filter_map(|(member, supply)| of_source(supply, member, axes, &self.world));
+        let open = sources.filter(|(_, supply)| !supply.is_done());
+        // The smallest and the largest are the extremes in all that matters here.
+        let extremes = open.flat_map(|(member, supply)| {
+            let last = supply.kinds.len() - 1;
+            let both = [0, last].into_iter().take(1 + last.min(1));
+            both.map(move |k| (member, (supply, &supply.kinds[k])))
+        });
+        let come = extremes.filter_map(|(member, of)| of_source(of, member, axes, &self.world));
         each.chain(come).collect()
     }
 

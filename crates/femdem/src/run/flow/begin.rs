@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use femdem_mesh::Vector3;
 
 use super::SourceEntry;
-use super::kinds::Kinds;
-use super::state::{Count, Flow, Gate, Opening, Supply, mean_mass};
+use super::state::{Count, Flow, Gate, Opening, Supply};
 use crate::Error;
 use crate::error::wrong;
 use crate::run::words::in_entry;
@@ -103,7 +102,7 @@ impl Simulation {
     /// Lets sources without another end go on to the end of a scene whose duration has changed.
     pub(in crate::run) fn extend_sources(&mut self, scene: &Scenario) -> Result<(), Error> {
         for (supply, entry) in self.flow.supplies.iter_mut().zip(&scene.source) {
-            supply.most = entry.most(mean_mass(&supply.kinds), supply.rate, scene.duration)?;
+            supply.most = entry.most(&supply.kinds, supply.rate, scene.duration)?;
         }
         Ok(())
     }
@@ -141,10 +140,9 @@ impl Simulation {
         entry.check()?;
         let density = scene.material(&entry.material)?.density()?;
         let material = scene.material_id(&entry.material)?;
-        let of_time = (density, scene.duration);
-        let Kinds { kinds, rate, most } = Kinds::new(self, entry, name, of_time)?;
+        let kinds = entry.kinds(self, name, density)?;
         let [lower, upper] = entry.corners();
-        Ok(Supply {
+        let mut supply = Supply {
             name: name.to_owned(),
             kinds,
             density,
@@ -153,13 +151,17 @@ impl Simulation {
             upper,
             places: entry.places.clone(),
             velocity: entry.velocity,
-            rate,
-            most,
+            rate: 0.0,
+            most: 0,
+            largest_mass: entry.mass.unwrap_or(f64::MAX),
             start: entry.start,
             end: entry.end.unwrap_or(f64::MAX),
             seed: entry.seed,
             tried: 0,
             come: Count::default(),
-        })
+        };
+        supply.rate = entry.bodies_per_second(supply.mean_mass())?;
+        supply.most = entry.most(&supply.kinds, supply.rate, scene.duration)?;
+        Ok(supply)
     }
 }

@@ -4,6 +4,7 @@ use femdem_mesh::Vector3;
 use femdem_pack::Grading;
 use serde::{Deserialize, Serialize};
 
+use super::state::Kind;
 use crate::Error;
 use crate::error::wrong;
 use crate::run::geometry::Geometry;
@@ -152,11 +153,12 @@ impl SourceEntry {
         Err(wrong(name, &value.to_string(), "a positive, finite number"))
     }
 
-    /// Most bodies that come, where one has a mass \[kg\], at a rate \[1/s\] in a run of a duration \[s\].
-    pub(super) fn most(&self, mass: f64, rate: f64, duration: f64) -> Result<u64, Error> {
+    /// Most bodies of some kinds, by rising size, that come at a rate \[1/s\] in a run of a duration \[s\].
+    pub(super) fn most(&self, kinds: &[Kind], rate: f64, duration: f64) -> Result<u64, Error> {
+        let smallest = kinds[0].mass;
         if let Some(given) = self
             .mass
-            .filter(|given| !(*given >= mass && given.is_finite()))
+            .filter(|given| !(*given >= smallest && given.is_finite()))
         {
             let allowed = "at least the mass of one body, in kg";
             return Err(wrong("mass", &given.to_string(), allowed));
@@ -167,7 +169,7 @@ impl SourceEntry {
                 return Err(wrong("number and mass", "both", allowed));
             }
             (Some(number), None) => number as f64,
-            (None, Some(given)) => given / mass + WHOLE,
+            (None, Some(given)) => given / smallest + WHOLE,
             (None, None) => f64::INFINITY,
         };
         let limit = match self.places.len() {

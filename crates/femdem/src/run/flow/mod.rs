@@ -13,4 +13,4 @@ mod step;
 pub use entry::{GateEntry, SourceEntry};
 pub use rows::FLOW_COLUMNS;
 pub use state::Flow;
-pub(super) use state::Supply;
+pub(super) use state::{Kind, Supply};

@@ -3,7 +3,7 @@
 use femdem_contact::MaterialId;
 use femdem_mesh::nalgebra::Translation3;
 use femdem_mesh::{Pose, Vector3};
-use femdem_pack::{body_stream, random_rotation, shuffled, uniform};
+use femdem_pack::{body_stream, random_rotation, uniform};
 use femdem_solve::ShapeId;
 use serde::{Deserialize, Serialize};
 
@@ -85,6 +85,12 @@ impl Flow {
         self.supplies.iter().map(Supply::mass_to_come).sum()
     }
 
+    /// Bodies that sources have brought.
+    pub(in crate::run) fn come(&self) -> u64 {
+        let come = self.supplies.iter();
+        come.map(|supply| supply.come.bodies as u64).sum()
+    }
+
     /// Bodies that sources will have brought by a time \[s\], if there is room.
     pub(in crate::run) fn due(&self, time: f64) -> u64 {
         self.supplies.iter().map(|supply| supply.due(time)).sum()
@@ -122,6 +128,8 @@ pub struct Supply {
     pub(super) rate: f64,
     /// Bodies in all.
     pub most: u64,
+    /// Mass that they do not exceed \[kg\].
+    pub(super) largest_mass: f64,
     pub(super) start: f64,
     pub(super) end: f64,
     pub(super) seed: u64,
@@ -138,36 +146,42 @@ pub struct Kind {
     pub mass: f64,
     /// Distance of the farthest point from the centroid \[m\].
     pub radius: f64,
-    /// Number of bodies of this size and of all smaller ones, before the sizes come anew.
-    pub end: u32,
-}
-
-/// The mean mass of bodies of some kinds \[kg\].
-pub(super) fn mean_mass(kinds: &[Kind]) -> f64 {
-    let (mut sum, mut before) = (0.0, 0);
-    for kind in kinds {
-        sum += f64::from(kind.end - before) * kind.mass;
-        before = kind.end;
-    }
-    sum / f64::from(before)
+    /// Part of the bodies that are of this size.
+    pub part: f64,
+    /// Bodies of this size that have come.
+    pub come: u64,
 }
 
 impl Supply {
-    /// The kind of the next body: the sizes come in an order of the seed, and each has come as often as it should at the end.
-    pub(super) fn next_kind(&self) -> Kind {
-        let number = self.kinds[self.kinds.len() - 1].end;
-        let next = (self.come.bodies as u64 % u64::from(number)) as u32;
-        let place = shuffled(next, number, self.seed);
-        self.kinds[self.kinds.partition_point(|kind| kind.end <= place)]
+    /// The number of the kind of the next body: that whose bodies lag most behind their part of all. At any time each kind is
+    /// within a body of its part, however many are still to come.
+    pub(super) fn next_kind(&self) -> usize {
+        let all = self.come.bodies as f64 + 1.0;
+        let lag = |kind: &Kind| all * kind.part - kind.come as f64;
+        let mut next = 0;
+        for (k, kind) in self.kinds.iter().enumerate() {
+            if lag(kind) > lag(&self.kinds[next]) {
+                next = k;
+            }
+        }
+        next
     }
 
-    /// The kind of the largest size.
-    pub fn largest(&self) -> &Kind {
-        &self.kinds[self.kinds.len() - 1]
+    /// Mean mass of its bodies \[kg\].
+    pub(super) fn mean_mass(&self) -> f64 {
+        self.kinds.iter().map(|kind| kind.part * kind.mass).sum()
+    }
+
+    /// Mass that may still come \[kg\].
+    fn mass_left(&self) -> f64 {
+        self.largest_mass - self.come.mass
     }
 
     /// Number of bodies that should have come by a time \[s\].
     pub(super) fn due(&self, time: f64) -> u64 {
+        if self.is_done() {
+            return self.come.bodies as u64;
+        }
         let due = self.rate * (time.min(self.end) - self.start) + WHOLE;
         // A negative number becomes 0.
         (due as u64).min(self.most)
@@ -175,13 +189,17 @@ impl Supply {
 
     /// Whether all its bodies have come.
     pub fn is_done(&self) -> bool {
-        self.come.bodies as u64 >= self.most
+        let next = self.kinds[self.next_kind()].mass;
+        self.come.bodies as u64 >= self.most || next > self.mass_left() + WHOLE * next
     }
 
     /// Mass of the bodies that are still to come \[kg\].
     pub fn mass_to_come(&self) -> f64 {
+        if self.is_done() {
+            return 0.0;
+        }
         let left = self.most.saturating_sub(self.come.bodies as u64);
-        left as f64 * mean_mass(&self.kinds)
+        (left as f64 * self.mean_mass()).min(self.mass_left())
     }
 
     /// The next place to be tried: a centroid and an orientation.

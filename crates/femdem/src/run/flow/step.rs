@@ -3,7 +3,7 @@
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_solve::{BodySpec, ShapeId};
 
-use super::state::{Kind, Supply};
+use super::state::Supply;
 use crate::Error;
 use crate::run::{Member, Simulation};
 
@@ -85,13 +85,13 @@ impl Simulation {
                     break;
                 }
                 let place = self.flow.supplies[k].next_place();
-                let kind = self.flow.supplies[k].next_kind();
-                let radius = kind.radius;
+                let next = self.flow.supplies[k].next_kind();
+                let radius = self.flow.supplies[k].kinds[next].radius;
                 let x = place.translation.vector;
                 let free =
                     |(at, reach): &(Vector3, f64)| self.between(at, &x).norm() >= radius + reach;
                 if others.iter().all(free) && self.is_off_walls(&x, radius) {
-                    self.bring(k, kind, &place)?;
+                    self.bring(k, next, &place)?;
                     others.push((x, radius));
                 }
             }
@@ -103,6 +103,12 @@ impl Simulation {
     #[must_use]
     pub fn bodies_due(&self, time: f64) -> u64 {
         self.flow.due(time)
+    }
+
+    /// Bodies that sources have brought so far.
+    #[must_use]
+    pub fn bodies_come(&self) -> u64 {
+        self.flow.come()
     }
 
     /// Says which sources have brought fewer bodies than are due.
@@ -143,8 +149,9 @@ impl Simulation {
     }
 
     /// Adds the next body of a source, with its centroid and orientation at `place`.
-    fn bring(&mut self, k: usize, kind: Kind, place: &Pose) -> Result<(), Error> {
+    fn bring(&mut self, k: usize, next: usize, place: &Pose) -> Result<(), Error> {
         let supply = &self.flow.supplies[k];
+        let kind = supply.kinds[next];
         let polyhedron = &self.world.shapes()[kind.shape as usize].polyhedron;
         let centroid = polyhedron.mass_properties().centroid;
         let pose = place * Pose::from_parts((-centroid.coords).into(), Default::default());
@@ -157,7 +164,9 @@ impl Simulation {
             material: supply.material,
         })?;
         let name = format!("{} {}", supply.name, self.members.len());
-        self.flow.supplies[k].come.add(1, kind.mass);
+        let supply = &mut self.flow.supplies[k];
+        supply.come.add(1, kind.mass);
+        supply.kinds[next].come += 1;
         let member = Member {
             name,
             id,
