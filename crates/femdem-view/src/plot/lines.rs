@@ -7,6 +7,9 @@ use super::svg::{Plot, escape};
 /// Most lines of a chart: the colours that can be told apart.
 const LINES: usize = 6;
 
+/// Part of the largest line up to which another cannot be told from zero.
+const SEEN: f64 = 1e-3;
+
 /// Points of a line above which each part of it is drawn by its lowest and its highest.
 const POINTS: usize = 600;
 
@@ -28,7 +31,7 @@ pub struct LineChart {
 }
 
 impl LineChart {
-    /// The chart. Lines that are zero throughout are left out, and of more than six the smaller ones, which the caption then
+    /// The chart. Lines that cannot be told from zero are left out, and of more than six the smaller ones, which the caption then
     /// says. `None` if no line is left, or x does not change.
     ///
     /// ```
@@ -46,10 +49,10 @@ impl LineChart {
             let finite = points.iter().map(|p| p[1].abs()).filter(|y| y.is_finite());
             finite.fold(0.0, f64::max)
         };
-        let mut shown: Vec<usize> = (0..self.lines.len())
-            .filter(|&k| size(&self.lines[k].1) > 0.0)
-            .collect();
-        shown.sort_by(|&a, &b| size(&self.lines[b].1).total_cmp(&size(&self.lines[a].1)));
+        let sizes: Vec<f64> = self.lines.iter().map(|(_, points)| size(points)).collect();
+        let least = SEEN * sizes.iter().copied().fold(0.0, f64::max);
+        let mut shown: Vec<usize> = (0..sizes.len()).filter(|&k| sizes[k] > least).collect();
+        shown.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]));
         let left_out = shown.len().saturating_sub(LINES);
         shown.truncate(LINES);
         shown.sort_unstable();
@@ -76,11 +79,16 @@ impl LineChart {
         if low < 0.0 {
             chart.level(0.0);
         }
-        let rise = |(_, points): &&(String, Vec<[f64; 2]>)| {
-            let last = points.len().saturating_sub(1);
-            points.last().map_or(0.0, |p| p[1]) - points.get(last / 2).map_or(0.0, |p| p[1])
+        // The key stands in the upper corner with fewer points.
+        let crowd = |is_left: bool| {
+            let across = |p: &[f64; 2]| (p[0] - left) / (right - left);
+            let is_there = |p: &&[f64; 2]| {
+                let across = if is_left { across(p) } else { 1.0 - across(p) };
+                across < 0.5 && p[1] - low > 0.6 * (high - low)
+            };
+            points().filter(is_there).count()
         };
-        if lines.iter().map(rise).sum::<f64>() > 0.0 {
+        if crowd(true) < crowd(false) {
             chart.key_at_left();
         }
         for ((name, points), hue) in lines.iter().zip(Hue::ALL) {

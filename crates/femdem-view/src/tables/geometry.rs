@@ -111,7 +111,7 @@ impl Tables {
         let width = (found.columns as f64).sqrt() * spacing;
         if width < WIDE {
             let reason = format!(
-                "the bodies cover {width:.1} mean diameters squared, too few for a slope, which needs {WIDE}"
+                "the bodies cover a square of {width:.1} mean diameters; a slope needs one of {WIDE}"
             );
             self.miss(&["surface"], &reason);
             return Ok(());

@@ -463,7 +463,7 @@ mod tests {
         fs::create_dir(&made[0].folder).unwrap();
         fs::write(made[0].folder.join(folder::SUMMARY), "{\"steps\": 42}").unwrap();
         let table = || {
-            table::write(&args, &made, false).unwrap();
+            table::write(&args, &made, &table::columns(None), false).unwrap();
             fs::read_to_string(folder.path().join(table::TABLE)).unwrap()
         };
         for other in [None, Some("count = 3\n")] {
