@@ -26,6 +26,9 @@ const SLOPE: [f64; 2] = [0.2, 0.8];
 pub struct FreeSurface {
     /// Angle of the plane with the horizontal (degrees).
     pub plane_angle: f64,
+    /// Standard error of that angle (degrees), from the scatter of the heights about the plane, of which those within a mean
+    /// diameter squared count as one.
+    pub plane_error: f64,
     /// Direction in which the plane rises (degrees from x towards y).
     pub plane_direction: f64,
     /// Angle of the cone's side with the horizontal (degrees), positive for a heap.
@@ -82,7 +85,14 @@ pub fn free_surface(
         spacing_over_d * diameter,
     )?;
     let met: Vec<Column> = all.into_iter().filter(|c| c.height.is_finite()).collect();
-    let Some((plane_angle, plane_direction)) = plane(&met) else {
+    // Lines that meet the same body tell the same height.
+    let alike = (1.0 / spacing_over_d).powi(2).max(1.0);
+    let Some(Plane {
+        plane_angle,
+        plane_error,
+        plane_direction,
+    }) = plane(&met, alike)
+    else {
         return Ok(None);
     };
     let floor = container.map_or(low.z, |region| region.corners().0.z);
@@ -91,6 +101,7 @@ pub fn free_surface(
     };
     Ok(Some(FreeSurface {
         plane_angle,
+        plane_error,
         plane_direction,
         cone_angle,
         cone_centre,
@@ -99,8 +110,15 @@ pub fn free_surface(
     }))
 }
 
-/// Angle and direction of the plane, degrees.
-fn plane(columns: &[Column]) -> Option<(f64, f64)> {
+/// Angle, its error and direction of the plane, degrees.
+struct Plane {
+    plane_angle: f64,
+    plane_error: f64,
+    plane_direction: f64,
+}
+
+/// Fits the plane; so many columns are `alike`.
+fn plane(columns: &[Column], alike: f64) -> Option<Plane> {
     let span = |of: fn(&Column) -> f64| {
         let list = columns.iter().map(of);
         let least = list.clone().fold(f64::INFINITY, f64::min);
@@ -113,15 +131,31 @@ fn plane(columns: &[Column]) -> Option<(f64, f64)> {
         within(c.x, x) && within(c.y, y)
     });
     let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for column in middle {
-        let row = Vector3::new(1.0, column.x - x.0, column.y - y.0);
+    let row = |column: &Column| Vector3::new(1.0, column.x - x.0, column.y - y.0);
+    for column in middle.clone() {
+        let row = row(column);
         matrix += row * row.transpose();
         right += row * column.height;
     }
-    let fit = matrix.try_inverse()? * right;
+    let inverse = matrix.try_inverse()?;
+    let fit = inverse * right;
     let slope = Vector2::new(fit.y, fit.z);
-    let direction = slope.y.atan2(slope.x).to_degrees();
-    Some((slope.norm().atan().to_degrees(), direction))
+    let direction = slope.y.atan2(slope.x);
+    // The variance of the slope along its direction u is s² uᵀ (XᵀX)⁻¹ u with s² = Σ (h - fit)²/(n/m - 3) of n lines, m of them
+    // alike, and that of the angle
+    // arctan |slope| smaller by (1 + slope²)².
+    let squares = middle
+        .clone()
+        .map(|c| (c.height - row(c).dot(&fit)).powi(2));
+    let degrees_of_freedom = (middle.count() as f64 / alike - 3.0).max(1.0);
+    let along = Vector3::new(0.0, direction.cos(), direction.sin());
+    let variance = squares.sum::<f64>() / degrees_of_freedom * along.dot(&(inverse * along));
+    let error = variance.max(0.0).sqrt() / (1.0 + slope.norm_squared());
+    Some(Plane {
+        plane_angle: slope.norm().atan().to_degrees(),
+        plane_error: error.to_degrees(),
+        plane_direction: direction.to_degrees(),
+    })
 }
 
 /// Centre, radius and angle (degrees) of the cone above a height.
@@ -192,6 +226,30 @@ mod tests {
             let direction = f64::atan2(dy, dx).to_degrees();
             assert!((found.plane_direction - direction).abs() < 1.0, "{found:?}");
         }
+    }
+
+    /// Rows of cubes that lie alternately a little above and below a plane.
+    #[test]
+    fn the_error_of_the_angle_is_that_of_the_scatter() {
+        let scattered = |by: f64| {
+            let sign = |x: f64| {
+                if (10.0 * x).round() as i64 % 2 == 0 {
+                    by
+                } else {
+                    -by
+                }
+            };
+            surface(|x, y| 2.0 + 0.3 * y + sign(x))
+        };
+        let (smooth, rough, rougher) = (scattered(0.0), scattered(0.05), scattered(0.1));
+        assert!(
+            smooth.plane_error < 0.3 * rough.plane_error,
+            "{smooth:?} {rough:?}"
+        );
+        let ratio = rougher.plane_error / rough.plane_error;
+        assert!((1.7..2.1).contains(&ratio), "{ratio}");
+        // s/(√n Δ (1 + 0.3²)) with s = 0.05 m, n = (3 m/d)² and Δ = 3 m/√12: 0.176 degrees.
+        assert!((0.15..0.21).contains(&rough.plane_error), "{rough:?}");
     }
 
     #[test]

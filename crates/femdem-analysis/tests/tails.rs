@@ -254,3 +254,16 @@ fn the_unit_of_the_values_does_not_matter() {
         Err(AnalysisError::Option { name: "values", .. })
     ));
 }
+
+/// The forces of a crystal differ by rounding alone.
+#[test]
+fn values_that_differ_by_rounding_have_no_tail() {
+    let values: Vec<f64> = (0..400).map(|i| 1.0 + 1e-12 * f64::from(i)).collect();
+    for law in [TailLaw::Exponential, TailLaw::Power] {
+        let options = TailOptions {
+            law,
+            ..TailOptions::default()
+        };
+        assert_eq!(fit_tail(&values, &options).unwrap(), None);
+    }
+}

@@ -4,7 +4,7 @@ use femdem_analysis::{BodyAxes, SetVoronoi};
 use femdem_mesh::{Polyhedron, Pose, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::tables::telling_axes;
+use crate::tables::{SAME_SIZE, telling_axes};
 use crate::ticks::{decades, even, to_the_last};
 use crate::{Body, Snapshot, ViewError};
 
@@ -23,6 +23,10 @@ pub enum Colouring {
     Density,
     /// Angle between the body's axis, or its nearest face normal, and the vertical.
     Orientation,
+    /// Number of the body's shape.
+    Shape,
+    /// Circumscribed diameter of the body.
+    Size,
 }
 
 /// How values go to a scale of colours.
@@ -54,15 +58,17 @@ pub struct BodyValues {
 
 impl Colouring {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Sequence,
         Self::Coordination,
         Self::Force,
         Self::Density,
         Self::Orientation,
+        Self::Shape,
+        Self::Size,
     ];
 
-    /// "sequence", "coordination", "force", "density" or "orientation".
+    /// "sequence", "coordination", "force", "density", "orientation", "shape" or "size".
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -71,12 +77,14 @@ impl Colouring {
             Self::Force => "force",
             Self::Density => "density",
             Self::Orientation => "orientation",
+            Self::Shape => "shape",
+            Self::Size => "size",
         }
     }
 
     /// The values of a snapshot's bodies; `cells` are their Set-Voronoi cells, if they are known
     /// ([`Tables::set_voronoi`](crate::tables::Tables::set_voronoi)). `None` where there is not what the
-    /// quantity needs: a density needs the cells, a force and a coordination number need contacts.
+    /// quantity needs: a density needs the cells, a force and a coordination number need contacts, and shapes and sizes need several.
     ///
     /// # Errors
     ///
@@ -101,6 +109,8 @@ impl Colouring {
             Self::Force => Some(force(snapshot)?),
             Self::Density => cells.and_then(|cells| density(snapshot, cells)),
             Self::Orientation => Some(orientation(snapshot)),
+            Self::Shape => shape(snapshot),
+            Self::Size => size(snapshot),
         })
     }
 }
@@ -295,6 +305,45 @@ fn orientation(snapshot: &Snapshot) -> BodyValues {
     }
 }
 
+/// Names of shapes that are listed beside a scale.
+const LISTED: usize = 12;
+
+fn shape(snapshot: &Snapshot) -> Option<BodyValues> {
+    let values: Vec<f64> = snapshot.bodies.iter().map(|b| b.shape.into()).collect();
+    let first = values.first()?;
+    if values.iter().all(|value| value == first) {
+        return None;
+    }
+    let names = snapshot.shapes.iter().zip(0..LISTED);
+    let names = names.map(|(shape, number)| format!("{number} {}", shape.name));
+    let more = if snapshot.shapes.len() > LISTED {
+        " and others"
+    } else {
+        ""
+    };
+    Some(BodyValues {
+        title: "shape".to_owned(),
+        note: format!("Shape: {}{more}.", names.collect::<Vec<_>>().join(", ")),
+        range: [0.0, largest(&values)],
+        values,
+        spacing: Spacing::Whole,
+    })
+}
+
+fn size(snapshot: &Snapshot) -> Option<BodyValues> {
+    let diameter = |b: &Body| 2e3 * snapshot.shape_of(b).polyhedron.bounding_radius();
+    let values: Vec<f64> = snapshot.bodies.iter().map(diameter).collect();
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = largest(&values);
+    (most > least * (1.0 + SAME_SIZE)).then(|| BodyValues {
+        title: "diameter / mm".to_owned(),
+        note: "Circumscribed diameter of the body.".to_owned(),
+        range: [least, most],
+        values,
+        spacing: Spacing::Linear,
+    })
+}
+
 impl BodyValues {
     /// Round numbers on the scale, about six, and the last number of a sequence. None on a scale that has no ends,
     /// or is logarithmic and does not begin above zero.
@@ -363,6 +412,24 @@ mod tests {
             .unwrap();
         assert_eq!(found.title, "number of the body");
         assert_eq!(found.values, [0.0, 1.0]);
+    }
+
+    #[test]
+    fn shapes_and_sizes_are_told_where_there_are_several() {
+        for alike in [Colouring::Shape, Colouring::Size] {
+            assert_eq!(alike.values(&two_cubes(), None).unwrap(), None);
+        }
+        let mut snapshot = two_cubes();
+        let polyhedron = snapshot.shapes[0].polyhedron.scaled(2.0).unwrap();
+        let name = "large".to_owned();
+        snapshot.shapes.push(NamedShape { name, polyhedron });
+        snapshot.bodies[1].shape = 1;
+        let of = |colouring: Colouring| colouring.values(&snapshot, None).unwrap().unwrap();
+        assert_eq!(of(Colouring::Shape).values, [0.0, 1.0]);
+        assert!(of(Colouring::Shape).note.contains("1 large"));
+        let size = of(Colouring::Size);
+        assert!((size.values[0] - 1e3 * 3_f64.sqrt()).abs() < 1e-9);
+        assert_eq!(size.range, [size.values[0], size.values[1]]);
     }
 
     /// Two cubes of 1 m³ in a column of 2.5 x 2 m: each has half of what is below the top of the stack.

@@ -4,6 +4,7 @@
 
 use femdem_view::analysis::{FragmentationOptions, fragmentation};
 use femdem_view::mesh::{Point3, Pose, catalogue::CatalogueShape};
+use femdem_view::plot::LineChart;
 use femdem_view::report::{FactTable, KeyFigure, Report, RunFacts};
 use femdem_view::tables::{TableOptions, Tables};
 use femdem_view::{Body, CrackFacet, CrackMode, Fracture, NamedShape, Snapshot, ViewError};
@@ -47,7 +48,7 @@ fn facts_of_a_run_stand_where_they_belong() {
     let page = page.html().unwrap();
     let mut from = 0;
     for words in [
-        "<title>1 bodies: cube (P5)</title>",
+        "<title>1 body: cube (P5)</title>",
         "dropped by hand; 0 contacts.",
         "<dt>Height</dt><dd>0.1 m<small>of the centre</small></dd>",
         "<code>host --seed 4711</code>",
@@ -70,6 +71,16 @@ fn without_a_run_the_page_has_what_was_measured() {
     let nothing = Snapshot::default();
     let refused = Report::new(&nothing).html().unwrap_err();
     assert!(matches!(refused, ViewError::NothingToDraw));
+    // What a run that has run empty has measured is a page, without a view.
+    let chart = LineChart {
+        title: "Flow".to_owned(),
+        lines: vec![("outlet".to_owned(), vec![[0.0, 0.0], [1.0, 2.0]])],
+        ..LineChart::default()
+    };
+    let course = vec![chart.plot().unwrap()];
+    let page = Report::new(&nothing).with_course(course).html().unwrap();
+    assert!(page.contains("<h3>Flow</h3>") && page.contains("<title>0 bodies</title>"));
+    assert!(!page.contains("<canvas") && !page.contains("<script"));
 }
 
 #[test]

@@ -93,6 +93,8 @@ fn a_run_leaves_every_file() {
         "run.pvd",
         "scene.toml",
         "summary.json",
+        "walls.pvd",
+        "walls.vtp",
     ];
     assert_eq!(names(&out), expected);
     // Frames at 0, 0.005, ..., 0.03: one for each kind, and a picture.

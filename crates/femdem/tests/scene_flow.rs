@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+use crate::common::{code, fails, femdem, run as command, stdout};
 use std::fs;
 use std::path::Path;
 
@@ -110,6 +111,31 @@ fn what_comes_goes_and_is_counted() {
     let walls = |frame: &str| rows(&frames.join(frame), "walls.csv").len();
     assert_eq!((walls("00004"), walls("00008")), (2, 1));
     assert_eq!(rows(&frames.join("00010"), "bodies.csv").len(), 0);
+    // The summary tells the same, and the mean rate is that between the first and the latest passage.
+    let mouth = &summary.flow["mouth"];
+    assert_eq!((mouth.kind.as_str(), mouth.bodies), ("gauge", 12));
+    let passing = flow.iter().filter(|row| row[1] == "mouth" && row[4] != "0");
+    let times: Vec<f64> = passing.map(|row| row[0].parse().unwrap()).collect();
+    let (first, last) = (times[0], times[times.len() - 1]);
+    // All but the first of 12 equal bodies; rows are 0.01 s apart.
+    let time = 11.0 / 12.0 * mass / mouth.mean_rate.unwrap();
+    assert!(
+        (time - (last - first)).abs() < 0.0102,
+        "{time} {first} {last}"
+    );
+    // A file of the walls for each frame, since one opens: of the tube and the plug, and of the tube alone.
+    let size = |frame: &str| {
+        let path = frames.join(format!("walls-{frame}.vtp"));
+        fs::metadata(path).unwrap().len()
+    };
+    assert!(size("00004") > size("00010") && size("00010") > 1000);
+    // Nothing is left but the walls, which are drawn, and what was measured.
+    assert!(folder.path().join("run.png").is_file());
+    let course = run.course(folder.path()).unwrap();
+    let plots: Vec<&str> = course.plots.iter().map(|plot| plot.name.as_str()).collect();
+    for name in ["energies", "flow", "flow-rate", "wall-forces"] {
+        assert!(plots.contains(&name), "{plots:?}");
+    }
     let header = fs::read_to_string(folder.path().join("history.csv")).unwrap();
     let counts: Vec<usize> = header.lines().map(|line| line.split(',').count()).collect();
     assert!(counts.iter().all(|count| *count == counts[0]), "{counts:?}");
@@ -386,4 +412,53 @@ fn a_source_brings_bodies_by_their_shares_of_the_mass() {
         // In no order of size.
         assert!(count[1] == 0 || !masses.is_sorted(), "{masses:?}");
     }
+}
+
+/// A run that has run empty has a page and a picture; what needs bodies names the last frame with some.
+#[test]
+fn the_program_shows_a_run_without_a_body() {
+    let folder = tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let short = FLOW
+        .replace("number = 12", "number = 3")
+        .replace("rate = 200", "rate = 400");
+    fs::write(&scene, short.replace("opens = 0.25", "opens = 0.05")).unwrap();
+    let out = folder.path().join("out");
+    let result = command(
+        femdem("run")
+            .arg(&scene)
+            .args(["--quiet", "--out"])
+            .arg(&out),
+    );
+    assert_eq!(code(&result), 0, "{result:?}");
+    let said = fails(femdem("analyse").arg(&out), &["holds no body", "--frame"]);
+    let frame = said
+        .split("--frame ")
+        .nth(1)
+        .unwrap()
+        .split(',')
+        .next()
+        .unwrap();
+    let result = command(femdem("analyse").arg(&out).args(["-q", "--frame", frame]));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let result = command(femdem("report").arg(&out));
+    assert_eq!(code(&result), 0, "{result:?}");
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    for part in [
+        "<h3>Rate of flow</h3>",
+        "gauge mouth",
+        "3 bodies",
+        "<h3>Energies</h3>",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(!page.contains("<canvas"));
+    let picture = folder.path().join("a.png");
+    let result = command(
+        femdem("picture")
+            .arg(&out)
+            .args(["--size", "64x64", "--out"])
+            .arg(&picture),
+    );
+    assert!(stdout(&result).contains("its walls are drawn") && picture.is_file());
 }

@@ -10,11 +10,12 @@ use std::path::PathBuf;
 use femdem::run::{
     Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BondEntry, BondSummary, BoundaryEntry,
     BridgeEntry, CELL_COLUMNS, CellEntry, CellState, ContactEntry, ControlEntry, Copies, Ending,
-    FLOW_COLUMNS, FocusEntry, FractureEntry, FractureSummary, GateEntry, HISTORY_COLUMNS, Law,
-    LoadEntry, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry, PairEntry, Penalty,
-    PenetrationSummary, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary, RestEntry,
-    RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry, ShearEntry, Sides,
-    SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallSummary, WeibullEntry, Zone,
+    FLOW_COLUMNS, FlowSummary, FocusEntry, FractureEntry, FractureSummary, GateEntry,
+    HISTORY_COLUMNS, Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry,
+    PairEntry, Penalty, PenetrationSummary, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary,
+    RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry,
+    ShearEntry, Sides, SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallSummary,
+    WeibullEntry, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -608,6 +609,7 @@ fn every_column_and_key_of_the_results_is_documented() {
         keys(&summary.walls[0]),
         keys(&summary.cells[0]),
         keys(&summary.reactions[0]),
+        keys(&summary.flow["NAME"]),
     ];
     for key in lists.iter().flatten() {
         assert!(text.contains(&format!("`{key}`")), "{key}");
@@ -657,6 +659,15 @@ fn summary() -> RunSummary {
             solid_fraction: 1.0,
             errors: [Some(0.0); 3],
         }],
+        flow: BTreeMap::from([(
+            "NAME".to_owned(),
+            FlowSummary {
+                kind: "gauge".to_owned(),
+                bodies: 1,
+                mass: 1.0,
+                mean_rate: Some(1.0),
+            },
+        )]),
         reactions: vec![ReactionSummary {
             body: String::new(),
             boundary: String::new(),

@@ -88,6 +88,10 @@ fn stages_are_runs_one_from_the_end_of_the_other() {
     ] {
         assert!(said.contains(line), "{said}");
     }
+    fails(
+        femdem("analyse").arg(&out),
+        &["holds the stages", "fall", "press", "lift"],
+    );
     let press = summary(&out.join("press"));
     let lid = press["walls"].as_array().unwrap();
     let lid = lid.iter().find(|wall| wall["name"] == "lid").unwrap();

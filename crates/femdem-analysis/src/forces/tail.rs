@@ -9,6 +9,9 @@ use crate::ordered::ordered_map;
 /// Fewest values a tail may have.
 const LEAST: usize = 20;
 
+/// Values whose mean excess over the start is less than this part of the largest are alike: they differ by rounding.
+const SPREAD: f64 = 1e-9;
+
 /// Candidates for the start of a tail.
 const STARTS: usize = 60;
 
@@ -92,7 +95,7 @@ pub struct TailFit {
 /// found, 182 to 189 of 200, by the sample. Both laws are continuous: the intervals of values that
 /// were rounded coarsely hold the truth less often.
 ///
-/// `None` if fewer than 20 values lie above the start, or all of them are equal.
+/// `None` if fewer than 20 values lie above the start, or all of them are equal to nine digits.
 ///
 /// ```
 /// use femdem_analysis::{TailOptions, fit_tail};
@@ -237,7 +240,7 @@ impl Suffixes {
         let mean = self.sum[first] / n - (start - self.origin);
         let variance = self.square[first] / n - (self.sum[first] / n).powi(2);
         // Written so that NaN fails it too.
-        let spread = mean > 0.0 && variance > 0.0;
+        let spread = mean > SPREAD && variance > 0.0;
         if !spread {
             return None;
         }

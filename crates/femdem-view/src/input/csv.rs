@@ -78,6 +78,12 @@ impl Text {
         })
     }
 
+    /// The columns and the fields of the rows.
+    pub(super) fn into_parts(self) -> (Vec<String>, Vec<Vec<String>>) {
+        let rows = self.rows.into_iter().map(|row| row.fields);
+        (self.columns, rows.collect())
+    }
+
     pub(super) fn records(&self) -> impl Iterator<Item = Record<'_>> {
         self.rows.iter().map(|row| Record { text: self, row })
     }

@@ -16,11 +16,13 @@
 mod bodies;
 mod contacts;
 mod csv;
+mod plain;
 mod poses;
 mod walls;
 
 pub use bodies::BODIES;
 pub use contacts::CONTACTS;
+pub use plain::{PlainTable, read_plain};
 pub use poses::{PoseRow, read_poses};
 pub use walls::{WALLS, read_walls};
 

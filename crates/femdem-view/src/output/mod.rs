@@ -35,5 +35,5 @@ pub mod vtu;
 
 pub(crate) use base64::base64;
 pub use file::write_file;
-pub use number::short_number;
+pub use number::{counted, short_number};
 pub use pvd::{write_pvd, write_pvd_parts};

@@ -53,12 +53,15 @@ impl Mesh<'_> {
     }
 }
 
+/// Part of the extent of a drawing that stands for the size of a body where there is none.
+const NO_BODY: f64 = 0.05;
+
 /// Draws surfaces, coloured by their values on a scale whose title is shown at the colour bar (the scale's own
-/// values are not used).
+/// values are not used). Without a surface the drawing alone, and no colour bar.
 ///
 /// # Errors
 ///
-/// [`ViewError::Option`] for options out of range, [`ViewError::NothingToDraw`] without a triangle.
+/// [`ViewError::Option`] for options out of range, [`ViewError::NothingToDraw`] without a triangle and without a line.
 pub fn draw_skins(
     skins: &[Skin],
     drawing: Option<&Drawing>,
@@ -67,23 +70,32 @@ pub fn draw_skins(
 ) -> Result<Image, ViewError> {
     options.check()?;
     let mut mesh = Mesh::of_skins(skins, scale);
-    if mesh.is_empty() {
+    let has_bodies = !mesh.is_empty();
+    let lines = || drawing.iter().flat_map(|d| d.lines.iter().flatten());
+    if !has_bodies && lines().next().is_none() {
         return Err(ViewError::NothingToDraw);
     }
-    let sizes = skins.iter().map(|skin| 2.0 * radius(&skin.points));
-    let diameter = sizes.sum::<f64>() / skins.len() as f64;
     if let Some(drawing) = drawing {
         mesh.add_floor(&drawing.floor);
     }
     let mut extent: Vec<Point3> = mesh.points().collect();
-    extent.extend(drawing.iter().flat_map(|d| d.lines.iter().flatten()));
+    extent.extend(lines());
+    let diameter = match has_bodies {
+        true => {
+            let sizes = skins.iter().map(|skin| 2.0 * radius(&skin.points));
+            sizes.sum::<f64>() / skins.len() as f64
+        }
+        false => NO_BODY * radius(&extent),
+    };
     let view = eye(&extent, options, LEGEND);
     let (mut image, seen) = paint(&mesh, &extent, &view, options, diameter);
     if let Some(drawing) = drawing {
         draw_outline(&mut image, drawing, &view, &seen);
     }
     scale_bar::draw(&mut image, pixels_per_metre(&view));
-    legend::draw(&mut image, LEGEND * options.width as f64, scale);
+    if has_bodies {
+        legend::draw(&mut image, LEGEND * options.width as f64, scale);
+    }
     Ok(image)
 }
 
@@ -129,5 +141,14 @@ mod tests {
         assert!(yellow > 1500 && violet > 1500, "{yellow} {violet}");
         let nothing = draw_skins(&[], None, &scale, &options);
         assert!(matches!(nothing, Err(ViewError::NothingToDraw)));
+        // Walls without a body.
+        let frame = Drawing {
+            floor: Vec::new(),
+            lines: crate::picture::sides(&points.map(Point3::from)).collect(),
+        };
+        let image = draw_skins(&[], Some(&frame), &scale, &options).unwrap();
+        // The upper side of the frame, above the scale bar.
+        let is_seen = |x: &usize| (0..60).any(|y| image.pixel(*x, y) != Some([255; 3]));
+        assert!((0..100).filter(is_seen).count() > 40);
     }
 }

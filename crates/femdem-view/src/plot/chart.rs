@@ -17,15 +17,31 @@ const BOTTOM: f64 = 46.0;
 pub(super) enum Hue {
     First,
     Second,
+    Third,
+    Fourth,
+    Fifth,
     /// That of the text: what others are compared with.
     Ink,
 }
 
 impl Hue {
+    /// All, in the order in which they are taken.
+    pub const ALL: [Self; 6] = [
+        Self::First,
+        Self::Second,
+        Self::Third,
+        Self::Fourth,
+        Self::Ink,
+        Self::Fifth,
+    ];
+
     const fn class(self) -> &'static str {
         match self {
             Self::First => "first",
             Self::Second => "second",
+            Self::Third => "third",
+            Self::Fourth => "fourth",
+            Self::Fifth => "fifth",
             Self::Ink => "ink",
         }
     }

@@ -150,7 +150,7 @@ mod tests {
             cracks: vec![crack(0.0); FACETS],
         };
         let plots = fracture_plots(&known);
-        let names: Vec<&str> = plots.iter().map(|plot| plot.name).collect();
+        let names: Vec<&str> = plots.iter().map(|plot| plot.name.as_str()).collect();
         assert_eq!(
             names,
             ["fragment-sizes", "fracture-energy", "crack-normals"]

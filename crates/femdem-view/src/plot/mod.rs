@@ -10,6 +10,7 @@ mod axis;
 mod chart;
 mod forces;
 mod fracture;
+mod lines;
 mod net;
 mod profiles;
 mod structure;
@@ -17,6 +18,7 @@ mod svg;
 mod sweep;
 
 pub use fracture::fracture_plots;
+pub use lines::LineChart;
 pub use svg::Plot;
 pub(crate) use svg::{STYLE, escape};
 pub use sweep::{Series, sweep};

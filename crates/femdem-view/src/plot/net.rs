@@ -76,7 +76,7 @@ pub(super) fn plot(
     // A uniform net shows as one colour in the middle of the scale.
     let top = densities.fold(2.0, f64::max);
     Some(Plot {
-        name,
+        name: name.to_owned(),
         title: title.to_owned(),
         caption,
         width: chart::WIDTH,

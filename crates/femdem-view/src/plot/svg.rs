@@ -11,7 +11,7 @@ pub(crate) const STYLE: &str = include_str!("plot.css");
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     /// Short name for files, such as "coordination".
-    pub name: &'static str,
+    pub name: String,
     /// Title.
     pub title: String,
     /// What the plot shows and means, in a few sentences.
@@ -22,10 +22,10 @@ pub struct Plot {
 }
 
 impl Plot {
-    pub(super) fn of(name: &'static str, title: &str, caption: String, chart: Chart) -> Self {
+    pub(super) fn of(name: impl Into<String>, title: &str, caption: String, chart: Chart) -> Self {
         let title = title.to_owned();
         Self {
-            name,
+            name: name.into(),
             title,
             caption,
             width: WIDTH,

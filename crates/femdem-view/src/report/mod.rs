@@ -29,6 +29,7 @@ use femdem_mesh::catalogue::CatalogueShape;
 
 pub use facts::{FactTable, KeyFigure, RunFacts};
 
+use crate::output::counted;
 use crate::plot::{Plot, escape, fracture_plots, plots};
 use crate::tables::Tables;
 use crate::{BodyValues, Colouring, Fracture, Snapshot, ViewError};
@@ -40,6 +41,7 @@ pub struct Report<'a> {
     run: RunFacts,
     tables: Option<&'a Tables>,
     fracture: Option<&'a Fracture>,
+    course: Vec<Plot>,
 }
 
 impl<'a> Report<'a> {
@@ -51,6 +53,7 @@ impl<'a> Report<'a> {
             run: RunFacts::default(),
             tables: None,
             fracture: None,
+            course: Vec::new(),
         }
     }
 
@@ -75,20 +78,32 @@ impl<'a> Report<'a> {
         self
     }
 
-    /// The page.
+    /// Adds plots of the course of the run, such as [`LineChart`](crate::plot::LineChart)s over time, as a section.
+    #[must_use]
+    pub fn with_course(mut self, course: Vec<Plot>) -> Self {
+        self.course = course;
+        self
+    }
+
+    /// The page. Without bodies it has no view.
     ///
     /// # Errors
     ///
-    /// [`ViewError::NothingToDraw`] without bodies, as [`Snapshot::check`], and [`ViewError::Quantity`] for a crack
+    /// [`ViewError::NothingToDraw`] without bodies and without a course, as [`Snapshot::check`], and [`ViewError::Quantity`] for a crack
     /// facet with a number out of its range.
     pub fn html(&self) -> Result<String, ViewError> {
         self.snapshot.check()?;
-        if self.snapshot.bodies.is_empty() {
+        let has_view = !self.snapshot.bodies.is_empty();
+        if !has_view && self.course.is_empty() {
             return Err(ViewError::NothingToDraw);
         }
-        let (index, numbers) = view::of(self.snapshot, &self.fields()?);
-        // No "<" may end the element that holds the index.
-        let index = index.to_string().replace('<', "\\u003c");
+        let (mut index, mut numbers) = Default::default();
+        if has_view {
+            let of_bodies = view::of(self.snapshot, &self.fields()?);
+            // No "<" may end the element that holds the index.
+            index = of_bodies.0.to_string().replace('<', "\\u003c");
+            numbers = of_bodies.1;
+        }
         let figures = if self.run.figures.is_empty() {
             self.tables.map(facts::measured).unwrap_or_default()
         } else {
@@ -100,10 +115,11 @@ impl<'a> Report<'a> {
         let command = self.run.command.as_deref();
         let broken = self.fracture.map(fracture::html).transpose()?;
         let measured = self.tables.map(plots).unwrap_or_default();
-        Ok(page::fill(&[
+        let parts: [(&str, &str); 10] = [
             ("title", &escape(&self.title())),
             ("lead", &escape(&self.lead())),
             ("figures", &facts::figures_html(&figures)),
+            ("course", &section("Over time", "", &self.course)),
             ("fracture", &broken.unwrap_or_default()),
             ("plots", &section("Measured", "", &measured)),
             ("facts", &facts::facts_html(&tables, command)),
@@ -113,13 +129,15 @@ impl<'a> Report<'a> {
             ),
             ("index", &index),
             ("numbers", &numbers),
-        ]))
+        ];
+        Ok(page::fill(has_view, &parts))
     }
 
     /// The plots, for files.
     #[must_use]
     pub fn plots(&self) -> Vec<Plot> {
-        let mut all = self.tables.map(plots).unwrap_or_default();
+        let mut all = self.course.clone();
+        all.extend(self.tables.map(plots).unwrap_or_default());
         all.extend(self.fracture.map(fracture_plots).unwrap_or_default());
         all
     }
@@ -137,15 +155,17 @@ impl<'a> Report<'a> {
 
     /// Such as "500 bodies: truncated dodecahedron (A10)".
     fn title(&self) -> String {
-        let (count, name) = (self.snapshot.bodies.len(), self.snapshot.shape_name());
+        let name = self.snapshot.shape_name();
+        let bodies = counted(self.snapshot.bodies.len(), "body", "bodies");
         match name.parse::<CatalogueShape>() {
-            Ok(shape) => format!("{count} bodies: {} ({name})", shape.solid.name()),
-            Err(_) => format!("{count} bodies: {name}"),
+            _ if self.snapshot.bodies.is_empty() => bodies,
+            Ok(shape) => format!("{bodies}: {} ({name})", shape.solid.name()),
+            Err(_) => format!("{bodies}: {name}"),
         }
     }
 
     fn lead(&self) -> String {
-        let contacts = format!("{} contacts.", self.snapshot.contacts.len());
+        let contacts = counted(self.snapshot.contacts.len(), "contact.", "contacts.");
         match &self.run.lead {
             Some(lead) => format!("{lead}; {contacts}"),
             None => contacts,

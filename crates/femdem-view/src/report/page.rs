@@ -5,6 +5,11 @@ use std::fmt::Write as _;
 use crate::plot;
 
 const TEMPLATE: &str = include_str!("page/page.html");
+/// The view in three dimensions, and its data and script: the parts of a page of bodies.
+const VIEW: [(&str, &str); 2] = [
+    ("{{stage}}", include_str!("page/stage.html")),
+    ("{{machinery}}", include_str!("page/machinery.html")),
+];
 const STYLE: &str = include_str!("page/style.css");
 
 /// Parts of the script in the order of their dependencies.
@@ -36,8 +41,8 @@ const SHADERS: [(&str, &str); 10] = [
     ("tubes-frag", include_str!("page/tubes.frag.glsl")),
 ];
 
-/// The page with these parts inserted; each part is a name and HTML.
-pub(super) fn fill(parts: &[(&str, &str)]) -> String {
+/// The page with these parts inserted, with a view or without; each part is a name and HTML.
+pub(super) fn fill(has_view: bool, parts: &[(&str, &str)]) -> String {
     let script = SCRIPT.join("\n") + "\n" + START;
     let mut shaders = String::new();
     for (name, text) in SHADERS {
@@ -59,7 +64,11 @@ pub(super) fn fill(parts: &[(&str, &str)]) -> String {
         all.find(|part| part.0 == name).map_or("", |part| part.1)
     };
     let mut page = String::new();
-    let mut rest = TEMPLATE;
+    let mut template = TEMPLATE.to_owned();
+    for (place, part) in VIEW {
+        template = template.replace(place, if has_view { part } else { "" });
+    }
+    let mut rest = template.as_str();
     while let Some((before, after)) = rest.split_once("{{") {
         let (name, behind) = after.split_once("}}").unwrap_or((after, ""));
         page.push_str(before);
@@ -75,7 +84,7 @@ mod tests {
 
     #[test]
     fn every_place_of_the_template_is_filled() {
-        let page = fill(&[("title", "T"), ("footer", "{{no place}}")]);
+        let page = fill(true, &[("title", "T"), ("footer", "{{no place}}")]);
         assert!(
             page.contains("<title>T</title>") && page.contains("<footer>{{no place}}</footer>")
         );
@@ -86,10 +95,16 @@ mod tests {
         );
     }
 
+    #[test]
+    fn a_page_without_a_view_has_no_script() {
+        let page = fill(false, &[("title", "T"), ("course", "C")]);
+        assert!(!page.contains("<script") && !page.contains("<canvas") && page.contains('C'));
+    }
+
     /// Names that the script asks for exist in the page.
     #[test]
     fn script_and_template_agree_on_names() {
-        let page = fill(&[]);
+        let page = fill(true, &[]);
         for (start, id) in [("getElementById(\"", "id=\""), ("this.on(\"", "id=\"")] {
             for found in page.split(start).skip(1) {
                 let name = found.split('"').next().unwrap();

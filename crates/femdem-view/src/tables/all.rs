@@ -54,8 +54,8 @@ pub struct Tables {
     pub core: Option<CoreRegion>,
     /// Void fraction of the whole bed, from the floor to the mean top.
     pub bed: Option<Bed>,
-    /// Slope of the free surface; `None`, without an entry in `missing`, if space repeats itself along z, if too few
-    /// upright lines meet a body, or if the bodies lie too far apart.
+    /// Slope of the free surface, where bodies cover at least the square of 8 mean diameters; `None`, without an entry in
+    /// `missing`, if space repeats itself along z.
     pub surface: Option<FreeSurface>,
     /// Packing density of the core.
     pub density: Option<PackingDensity>,

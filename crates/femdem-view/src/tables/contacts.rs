@@ -17,6 +17,10 @@ const NO_CONTACTS: &str = "there is no list of contacts; give contacts.csv";
 
 const NO_FORCES: &str = "the contacts were found from the overlaps of the bodies, which do not tell the forces; give contacts.csv";
 
+const NO_MASSES: &str = "the masses of the bodies are not known; give their density";
+
+const NO_WEIGHT: &str = "gravity along -z is zero: nothing has a weight";
+
 /// Tables that need contacts with classes, and tables that need normal forces.
 const RATTLERS: &str = "rattlers";
 const NORMAL_TABLES: [&str; 4] = ["classes", "force_distribution", "threshold_curve", "fabric"];
@@ -98,9 +102,12 @@ impl Tables {
             return Ok(());
         }
         self.add_whole_forces(snapshot, network)?;
-        if snapshot.masses.is_empty() || snapshot.gravity <= 0.0 {
-            let reason = "the masses of the bodies or gravity are not known; give their density, and gravity";
-            self.miss(&WEIGHT_TABLES, reason);
+        if snapshot.masses.is_empty() {
+            self.miss(&WEIGHT_TABLES, NO_MASSES);
+            return Ok(());
+        }
+        if snapshot.gravity <= 0.0 {
+            self.miss(&WEIGHT_TABLES, NO_WEIGHT);
             return Ok(());
         }
         self.add_weights(network)
@@ -129,8 +136,13 @@ impl Tables {
             self.rattlers = Some(rattlers(network, self.options.support)?);
         }
         self.force_distribution = force_distribution(network, &self.options.forces)?;
-        if self.force_distribution.is_none() {
-            self.miss(&["force_distribution"], "no two bodies press on each other");
+        match &self.force_distribution {
+            None => self.miss(&["force_distribution"], "no two bodies press on each other"),
+            Some(found) if found.tail.is_none() => self.miss(
+                &["force_distribution.tail"],
+                "there are fewer than 20 forces in a tail, or they are all alike",
+            ),
+            Some(_) => {}
         }
         self.threshold_curve = Some(threshold_curve(network, &self.options.thresholds)?);
         self.fabric = Some(contact_fabric(network));
@@ -152,7 +164,7 @@ impl Tables {
         }
         let upright = |c: &Region| !matches!(c, Region::Sphere { .. });
         let Some(container) = snapshot.container.filter(upright) else {
-            let reason = "the container is not known or is a sphere; give a box or a cylinder";
+            let reason = "the container is not known as a box or a cylinder; give its inside";
             self.miss(&["stress_profile"], reason);
             return Ok(());
         };

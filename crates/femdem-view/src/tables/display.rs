@@ -9,9 +9,6 @@ use super::Tables;
 /// The residual of a pack at rest is below this.
 const UNBALANCED: f64 = 0.05;
 
-/// Width of the free surface in mean diameters from which its slope is shown.
-const WIDE: f64 = 8.0;
-
 impl fmt::Display for Tables {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = |name: &str, text: Option<String>| match text {
@@ -82,12 +79,10 @@ impl Tables {
     }
 
     fn surface_text(&self) -> Option<String> {
-        // Of a narrower bed it is the bodies that lie on top by chance.
-        let width = (self.surface?.columns as f64).sqrt() * self.options.core.column_spacing_over_d;
-        let surface = self.surface.filter(|_| width >= WIDE)?;
+        let surface = self.surface.as_ref()?;
         Some(format!(
-            "slope {:.1} degrees as a plane, {:.1} degrees as a heap",
-            surface.plane_angle, surface.cone_angle
+            "slope {:.1} +- {:.1} degrees as a plane, {:.1} degrees as a heap",
+            surface.plane_angle, surface.plane_error, surface.cone_angle
         ))
     }
 

@@ -20,9 +20,13 @@ const CONTAINER_TABLES: [&str; 2] = ["height_profile", "density_map"];
 /// Mean diameters around the periodic cell in which Voronoi cells are cut, so that those of its bodies are whole.
 const AROUND: f64 = 2.0;
 
+/// Width of the free surface in mean diameters from which it has a slope: of a narrower bed it is the bodies that lie on top by
+/// chance.
+const WIDE: f64 = 8.0;
+
 const PERIODIC_SIDES: &str = "space repeats itself: there are no side walls";
 
-const NO_CONTAINER: &str = "the container is not known; give its inside";
+const NO_CONTAINER: &str = "the container is not known as a box or a cylinder; give its inside";
 
 /// Tables of the core.
 const CORE_TABLES: [&str; 6] = [
@@ -92,12 +96,27 @@ impl Tables {
             return Ok(());
         }
         let spacing = self.options.core.column_spacing_over_d;
-        self.surface = match free_surface(pack, snapshot.container.as_ref(), spacing) {
-            Ok(surface) => surface,
-            // A body that has flown far.
-            Err(GridTooFine { .. }) => None,
+        let found = match free_surface(pack, snapshot.container.as_ref(), spacing) {
+            Ok(Some(found)) => found,
+            Ok(None) => {
+                self.miss(&["surface"], "too few bodies lie side by side for a slope");
+                return Ok(());
+            }
+            Err(GridTooFine { .. }) => {
+                self.miss(&["surface"], "a body lies far from the others");
+                return Ok(());
+            }
             Err(other) => return Err(other.into()),
         };
+        let width = (found.columns as f64).sqrt() * spacing;
+        if width < WIDE {
+            let reason = format!(
+                "the bodies cover a square of {width:.1} mean diameters; a slope needs one of {WIDE}"
+            );
+            self.miss(&["surface"], &reason);
+            return Ok(());
+        }
+        self.surface = Some(found);
         Ok(())
     }
 

@@ -40,5 +40,6 @@ pub use all::{Missing, SCHEMA, Tables};
 pub use bodies::BodyTable;
 pub use files::{FOLDER, JSON};
 pub use mixing::MixingSeries;
+pub(crate) use options::SAME_SIZE;
 pub use options::TableOptions;
 pub use orientation::{Orientation, telling_axes};

@@ -9,7 +9,7 @@ use femdem_analysis::{
 use serde::{Deserialize, Serialize};
 
 /// Sizes that differ by at most this share are one.
-pub(super) const SAME_SIZE: f64 = 0.01;
+pub(crate) const SAME_SIZE: f64 = 0.01;
 
 /// How [`Tables::compute`](super::Tables::compute) measures. The defaults are those of the single analyses.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use femdem::output::short_number;
+use femdem::output::{counted, short_number};
 use femdem::pack::{PackSpec, Packing, Protocol};
 use femdem::run::{BodySummary, ExpectedDepth, FractureMesh, Run, Scenario, Simulation};
 
@@ -326,8 +326,8 @@ fn list(bodies: &[BodySummary]) {
         String::new()
     };
     say(&format!(
-        "{} bodies, {} kg{scaled}",
-        bodies.len(),
+        "{}, {} kg{scaled}",
+        counted(bodies.len(), "body", "bodies"),
         short_number(mass)
     ));
 }

@@ -66,7 +66,9 @@ The folder then holds
   summary.json               the result in numbers
   history.csv                energies, momentum, forces of walls and supports over time
   members.csv                places, velocities and forces of the bodies, with `track = true`
+  flow.csv                   what has passed gauges and sinks and come from sources over time
   run.pvd, contacts.pvd      time series for ParaView, of the files in frames/
+  walls.pvd                  the walls for ParaView, with the forces on them
   run.png                    the end, deformable bodies coloured by von Mises stress
   fragments.csv, events.csv  of breakable bodies: pieces, facets that broke; and cracks.vtp, cracks.pvd
   scene.toml                 the scene

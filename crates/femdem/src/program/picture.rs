@@ -98,6 +98,8 @@ fn colouring() -> impl TypedValueParser<Value = Colouring> {
             Colouring::Orientation => {
                 "Angle between the body's axis, or its nearest face normal, and the vertical"
             }
+            Colouring::Shape => "Number of the body's shape, where there are several",
+            Colouring::Size => "Circumscribed diameter of the body, where they differ",
         })
     });
     PossibleValuesParser::new(values).try_map(|name| {
@@ -122,6 +124,9 @@ pub(crate) fn run(args: &PictureArgs) -> Result<Outcome> {
         if folder::holds_run(&args.folder) && !as_pack {
             let (run, _) = femdem::run::Run::read(&args.folder)?;
             let image = run.picture(&args.options())?;
+            if !args.quiet && run.simulation().world.body_count() == 0 {
+                say("the end of the run holds no body: its walls are drawn");
+            }
             return args.write(&image, vector);
         }
         let snapshot = source::read(&args.folder, &args.foreign, &args.frame)?.snapshot;

@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use femdem::analysis::{TableOptions, Tables};
 use femdem::pack::Packing;
+use femdem::plot::Plot;
 use femdem::report::{Report, RunFacts};
 use femdem::results::run_facts;
 use femdem::run::RunSummary;
@@ -49,7 +50,7 @@ pub(crate) struct ReportArgs {
 
 pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
-        let found = source::read(&args.folder, &args.foreign, &args.frame)?;
+        let found = source::read_any(&args.folder, &args.foreign, &args.frame)?;
         found.refuse_moved_cell()?;
         let out = args.out.as_ref().unwrap_or(&found.folder);
         let snapshot = &found.snapshot;
@@ -60,6 +61,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
             }
             Origin::Elsewhere => write(&args.folder, out, snapshot, None)?,
             Origin::Run(_, Some(_)) => {
+                found.refuse_empty(&args.folder)?;
                 let lead = found.lead();
                 write_page(
                     out,
@@ -69,12 +71,15 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome> {
                         ..RunFacts::default()
                     },
                     None,
+                    Vec::new(),
                 )?
             }
             Origin::Run(saved, None) => {
-                let summary = RunSummary::of(&saved.0, &saved.1)?;
+                let mut facts = RunSummary::of(&saved.0, &saved.1)?.facts();
                 let fracture = saved.0.fracture(&args.folder)?;
-                write_page(out, snapshot, summary.facts(), fracture.as_ref())?
+                let course = saved.0.course(&args.folder)?;
+                facts.tables.extend(course.tables);
+                write_page(out, snapshot, facts, fracture.as_ref(), course.plots)?
             }
         };
         if !args.quiet {
@@ -98,27 +103,34 @@ pub(crate) fn write(
     let path = folder.join("scene.toml");
     let scene = path.is_file().then(|| Scene::read(&path)).transpose()?;
     let facts = run_facts(summary.as_ref(), scene.as_ref());
-    write_page(out, snapshot, facts, None)
+    write_page(out, snapshot, facts, None, Vec::new())
 }
 
-/// Writes the page and the plots with what is known of the run and of fracture.
+/// Writes the page and the plots with what is known of the run, of fracture and of the course.
 fn write_page(
     out: &Path,
     snapshot: &Snapshot,
     facts: RunFacts,
     fracture: Option<&Fracture>,
+    course: Vec<Plot>,
 ) -> Result<PathBuf> {
     let plots = out.join(PLOTS);
     fs::create_dir_all(&plots)
         .with_context(|| format!("cannot make the folder {}", plots.display()))?;
-    let tables = Tables::compute(snapshot, &TableOptions::default())?;
+    // Bodies may all have left a run; what it has measured remains.
+    let has_bodies = !snapshot.bodies.is_empty() || course.is_empty();
+    let tables = has_bodies.then(|| Tables::compute(snapshot, &TableOptions::default()));
+    let tables = tables.transpose()?;
     // Lines between the bodies would show forces that are not known.
     let without = snapshot.gaps.forces.then(|| Snapshot {
         contacts: Vec::new(),
         ..snapshot.clone()
     });
     let shown = without.as_ref().unwrap_or(snapshot);
-    let mut report = Report::new(shown).with_tables(&tables).with_run(facts);
+    let mut report = Report::new(shown).with_run(facts).with_course(course);
+    if let Some(tables) = &tables {
+        report = report.with_tables(tables);
+    }
     if let Some(fracture) = fracture {
         report = report.with_fracture(fracture);
     }

@@ -209,6 +209,9 @@ impl Part {
             ));
             return Ok(Outcome::Interrupted);
         }
+        if done && !self.quiet {
+            say("the run was finished before; --duration S takes it further");
+        }
         let summary = run.finish(&self.folder, &meter.read(run.simulation().world.counters()))?;
         self.save(&mut run, &meter)?;
         if !self.quiet {

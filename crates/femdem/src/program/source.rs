@@ -8,6 +8,7 @@ use clap::Args;
 use femdem::analysis::Region;
 use femdem::input::{self, InputOptions};
 use femdem::mesh::Point3;
+use femdem::output::{counted, short_number};
 use femdem::run::Run;
 use femdem::{Snapshot, Usage, results};
 
@@ -151,6 +152,34 @@ impl Found {
         Ok(())
     }
 
+    /// Refuses a state of a run without a body, and names the last frame with some.
+    pub(super) fn refuse_empty(&self, folder: &Path) -> Result<()> {
+        let Origin::Run(saved, frame) = &self.origin else {
+            return Ok(());
+        };
+        if !self.snapshot.bodies.is_empty() {
+            return Ok(());
+        }
+        let run = &saved.0;
+        let holds_bodies = |number: &usize| {
+            let bodies = input::read_plain(run.tables_of(folder, *number).join(input::BODIES));
+            bodies.is_ok_and(|table| !table.rows.is_empty())
+        };
+        let what = frame.map_or("the end".to_owned(), |number| format!("frame {number}"));
+        let advice = match (0..run.frames().len()).rev().find(holds_bodies) {
+            Some(last) => {
+                format!("give --frame {last}, the last that holds bodies, or another before it")
+            }
+            None => {
+                "run the scene with tables = true, and give a frame by --frame or --time".to_owned()
+            }
+        };
+        bail!(
+            "{what} of the run in {} holds no body: {advice}; `femdem report` shows what the run has measured",
+            folder.display()
+        );
+    }
+
     /// What was read, in a line; `None` for a pack, which has a summary.
     pub(super) fn lead(&self) -> Option<String> {
         let snapshot = &self.snapshot;
@@ -162,7 +191,7 @@ impl Found {
             Origin::Elsewhere => "from tables".to_owned(),
             Origin::Run(saved, frame) => {
                 let run = &saved.0;
-                let at = |time: f64| format!("at {time:.6} s");
+                let at = |time: f64| format!("at {} s", short_number(time));
                 match frame {
                     None => format!("of the run {}", at(run.simulation().world.time())),
                     Some(frame) => format!("of frame {frame} {}", at(run.frames()[*frame])),
@@ -170,13 +199,22 @@ impl Found {
             }
         };
         Some(format!(
-            "{bodies} bodies {kind} with {contacts} contacts, {from}"
+            "{} {kind} with {}, {from}",
+            counted(bodies, "body", "bodies"),
+            counted(contacts, "contact", "contacts")
         ))
     }
 }
 
-/// Reads the checkpoint of a folder or, if there is none, its tables.
+/// As [`read_any`], of a state that holds bodies.
 pub(crate) fn read(folder: &Path, foreign: &ForeignArgs, frame: &FrameArgs) -> Result<Found> {
+    let found = read_any(folder, foreign, frame)?;
+    found.refuse_empty(folder)?;
+    Ok(found)
+}
+
+/// Reads the checkpoint of a folder or, if there is none, its tables.
+pub(crate) fn read_any(folder: &Path, foreign: &ForeignArgs, frame: &FrameArgs) -> Result<Found> {
     if folder::holds_run(folder) {
         return of_run(folder, foreign, frame);
     }
@@ -189,6 +227,7 @@ pub(crate) fn read(folder: &Path, foreign: &ForeignArgs, frame: &FrameArgs) -> R
     let own = folder.to_path_buf();
     if !folder::has_checkpoint(folder) {
         if !folder.join(input::BODIES).is_file() {
+            super::stages::refuse_folder_of_stages(folder)?;
             bail!(
                 "there is no {}, no {} and no {} in {}: give the folder of a run of `femdem pack` or `femdem run`, \
                  or of a pack from elsewhere",

@@ -96,6 +96,16 @@ pub(super) fn resume(args: &ResumeArgs) -> Result<Option<Outcome>> {
     if args.report {
         anyhow::bail!("a run of a scene has no report: leave --report out");
     }
+    if !args.run.quiet
+        && stages
+            .iter()
+            .all(|s| s.scenario.out.join(folder::SUMMARY).is_file())
+    {
+        say(&format!(
+            "all stages in {} are finished",
+            args.folder.display()
+        ));
+    }
     // Stages after one that goes on start from its new end.
     let mut went_on = false;
     for (k, stage) in stages.iter().enumerate() {
@@ -128,6 +138,23 @@ pub(super) fn resume(args: &ResumeArgs) -> Result<Option<Outcome>> {
         }
     }
     Ok(Some(Outcome::Finished))
+}
+
+/// Refuses the folder of a scene of several stages where that of one run is wanted, and names theirs.
+pub(super) fn refuse_folder_of_stages(folder: &Path) -> Result<()> {
+    let scene = folder.join(SCENE);
+    let stages = Stage::read(&scene, Some(folder)).unwrap_or_default();
+    let there = stages.iter().map(|stage| &stage.scenario.out);
+    let there = there.filter(|own| folder::holds_run(own));
+    let there: Vec<String> = there.map(|own| own.display().to_string()).collect();
+    if stages.is_empty() {
+        return Ok(());
+    }
+    anyhow::bail!(
+        "{} holds the stages of a scene, each in a folder of its own: give one of {}",
+        folder.display(),
+        there.join(", ")
+    );
 }
 
 fn announce(k: usize, count: usize, stage: &Stage, quiet: bool) {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use femdem_view::output::short_number;
+use femdem_view::output::{counted, short_number};
 
 use super::Summary;
 use super::parts::SOLID;
@@ -21,8 +21,8 @@ impl fmt::Display for Summary {
         };
         writeln!(
             f,
-            "{} bodies {}, d = {} m, {state}",
-            self.count,
+            "{} {}, d = {} m, {state}",
+            counted(self.count, "body", "bodies"),
             self.shape,
             short_number(self.diameter)
         )?;

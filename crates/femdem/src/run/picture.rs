@@ -11,11 +11,11 @@ use crate::{BodyValues, Drawing, Error, Spacing};
 
 impl Run {
     /// Draws the bodies in their present state: deformable ones coloured by von Mises stress, rigid ones grey;
-    /// without deformable bodies, the rigid ones by their number.
+    /// without deformable bodies, the rigid ones by their number. Without a body the walls alone.
     ///
     /// # Errors
     ///
-    /// [`Error::Solve`] if an element has no stress.
+    /// [`Error::Solve`] if an element has no stress, [`Error::View`] if there is neither a body nor a wall with an outline.
     pub fn picture(&self, options: &PictureOptions) -> Result<Image, Error> {
         // A scene that starts from a pack need not describe its container.
         let of_pack = || self.simulation().snapshot().ok()?.outline();
@@ -150,8 +150,17 @@ impl Simulation {
     }
 }
 
+impl Simulation {
+    /// Places around the space for bodies that does not depend on where they are: those where they began, and corners of the
+    /// boxes in which they come \[m\].
+    pub(super) fn beginnings(&self) -> impl Iterator<Item = Vector3> {
+        let placed = self.members.iter().map(|m| m.placed.translation.vector);
+        placed.chain(self.flow.all_boxes().flatten())
+    }
+}
+
 impl Scenario {
-    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies; all walls of
+    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies or, without any, around where they began; all walls of
     /// revolution, and the sharp edges of walls from files.
     fn drawing(&self, skins: &[Skin], simulation: &Simulation) -> Option<Drawing> {
         let world = &simulation.world;
@@ -162,9 +171,13 @@ impl Scenario {
             let region = femdem_analysis::Region::Box { min, max };
             return Some(Drawing::of_region(&region, max.z));
         }
-        let points = || skins.iter().flat_map(|skin| &skin.points);
-        let low = points().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(&p.coords));
-        let high = points().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(&p.coords));
+        let points = skins.iter().flat_map(|skin| &skin.points);
+        let mut points: Vec<Vector3> = points.map(|p| p.coords).collect();
+        if points.is_empty() {
+            points.extend(simulation.beginnings());
+        }
+        let low = points.iter().copied().reduce(|a, b| a.inf(&b))?;
+        let high = points.iter().copied().reduce(|a, b| a.sup(&b))?;
         let entries = || self.wall.iter().zip(&simulation.origin.walls);
         let is_there = |walls: &[u32]| walls.iter().any(|&wall| world.wall(wall).is_some());
         let there = entries().filter(|(_, walls)| is_there(walls));

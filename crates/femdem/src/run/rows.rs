@@ -122,6 +122,8 @@ impl RunSummary {
             );
             row(&cell.name, text)
         });
+        let flow = self.flow.iter();
+        let flow = flow.map(|(name, found)| (format!("{} {name}", found.kind), found.to_string()));
         let supports = self.reactions.iter().map(|support| {
             let name = format!("peak of {} {}", support.body, support.boundary);
             (name, peak(support.peak_force, support.peak_time))
@@ -130,6 +132,7 @@ impl RunSummary {
         body.chain(warnings)
             .chain(walls)
             .chain(cells)
+            .chain(flow)
             .chain(supports)
             .collect()
     }

@@ -1,13 +1,15 @@
 //! `summary.json` of a run.
 
-use femdem_fem::DeformableModel;
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use femdem_fem::DeformableModel;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    BondSummary, CellState, Ending, FractureSummary, Penalty, RelaxSummary, RestSummary, Run, Side,
+    BondSummary, CellState, Ending, FlowSummary, FractureSummary, Penalty, RelaxSummary,
+    RestSummary, Run, Side,
 };
 use crate::{Error, Usage};
 
@@ -33,6 +35,8 @@ pub struct RunSummary {
     pub walls: Vec<WallSummary>,
     /// The boxes whose walls are controlled.
     pub cells: Vec<CellState>,
+    /// What gauges, sinks and sources have counted, by their names.
+    pub flow: BTreeMap<String, FlowSummary>,
     /// Forces of the supports of deformable bodies.
     pub reactions: Vec<ReactionSummary>,
     /// The penalty of contacts between rigid bodies, and why it has its value.
@@ -257,6 +261,7 @@ impl RunSummary {
             bodies,
             walls: walls.collect(),
             cells: simulation.controls.cells(world),
+            flow: simulation.flow.summary(),
             reactions: reactions.collect(),
             penalty: simulation.penalty.clone(),
             warnings: run

@@ -1,7 +1,7 @@
 //! Sizes of bodies as text: shares, sieve curves and distributions.
 
 use femdem_pack::{Grading, Measure, SizeClass, Sizes};
-use femdem_view::output::short_number;
+use femdem_view::output::{counted, short_number};
 
 use super::{Scene, metres, words};
 use crate::Error;
@@ -138,8 +138,9 @@ pub(super) fn note(grading: &Grading, bodies: &[SizeClass], variants: u32) -> St
         _ => format!(" and {variants} variants"),
     };
     let mut text = format!(
-        "{count} bodies of {least} to {largest} mm in {} sizes{dealt}, sieve curve met to {} of the mass",
-        bodies.len(),
+        "{} of {least} to {largest} mm in {}{dealt}, sieve curve met to {} of the mass",
+        counted(count as usize, "body", "bodies"),
+        counted(bodies.len(), "size", "sizes"),
         percent(error),
     );
     let [below, above] = grading.cut();
@@ -168,7 +169,7 @@ mod tests {
         let said = note(&grading, &one, 1);
         let size = short_number(1e3 * one[0].diameter);
         assert!(
-            said.starts_with(&format!("1 bodies of {size} to {size} mm in 1 sizes, ")),
+            said.starts_with(&format!("1 body of {size} to {size} mm in 1 size, ")),
             "{said}"
         );
         assert!(said.contains("warning: so few bodies"), "{said}");

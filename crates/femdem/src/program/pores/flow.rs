@@ -13,7 +13,7 @@ use femdem::analysis::pores::{
 use femdem::analysis::{Region, exact_density};
 use femdem::mesh::Point3;
 use femdem::output::openfoam::{CasePatch, FlowCase};
-use femdem::output::{stl, write_file};
+use femdem::output::{counted, short_number, stl, write_file};
 use serde::Serialize;
 
 use super::image::Fields;
@@ -242,7 +242,11 @@ impl FlowSummary {
     /// The text beside the case.
     fn note(&self) -> String {
         let about = |name: &str| match name {
-            "bodies" => format!("the bodies; contacts: {} {}", self.contacts, self.value),
+            "bodies" => format!(
+                "the bodies; contacts: {} {}",
+                self.contacts,
+                short_number(self.value)
+            ),
             "wall" => "the side wall of the container".to_owned(),
             "sides" => {
                 "the upright sides, cut through a pack that goes on: symmetry planes".to_owned()
@@ -274,11 +278,12 @@ impl FlowSummary {
 
 impl fmt::Display for FlowSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let title = format!("contacts: {} {:.4}", self.contacts, self.value);
+        let title = format!("contacts: {} {}", self.contacts, short_number(self.value));
         writeln!(
             f,
-            "  {:<20} {title}, {} bodies changed",
-            "surfaces", self.changed
+            "  {:<20} {title}, {} changed",
+            "surfaces",
+            counted(self.changed, "body", "bodies")
         )?;
         for check in &self.checks {
             let counts = &check.counts;

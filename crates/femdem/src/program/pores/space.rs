@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail};
 use femdem::analysis::pores::{Sides, Solids, Treatment, flow_region, images_reach, shrink_factor};
 use femdem::analysis::{Pack, PosedBody, Region, WithImages, top_plane};
 use femdem::mesh::Polyhedron;
+use femdem::output::short_number;
 use femdem::scene::Length;
 use femdem::solve::Shape;
 use femdem::{NamedShape, Snapshot, results};
@@ -201,8 +202,10 @@ impl Space {
         if let Some(Treated::Bridges(radius)) = treatment {
             if radius < THINNEST * voxel {
                 bail!(
-                    "bridge = {radius} m is not allowed with voxels of {voxel} m: give at least {THINNEST} voxels, \
-                     or smaller voxels"
+                    "bridge = {} m is not allowed with voxels of {} m: give at least {THINNEST} voxels, \
+                     or smaller voxels",
+                    short_number(radius),
+                    short_number(voxel)
                 );
             }
             if read.snapshot.gaps.contacts {

@@ -118,16 +118,18 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
         bail!("--seeds is for packs, and a run has no seed of its own: leave it out");
     }
     let jobs = jobs(args, &base, is_run)?;
-    table::check(args, is_run)?;
     // All scenes are understood before the first job begins.
+    let mut flow = BTreeSet::new();
     for job in &jobs {
         let read = match is_run {
-            true if job.last.is_some() => Ok(()),
-            true => Scenario::from_toml(&job.text).map(drop),
+            true => job.flow_names().map(|names| flow.extend(names)),
             false => Scene::from_toml(&job.text).map(drop),
         };
         read.with_context(|| job.name.clone())?;
     }
+    let flow: Vec<String> = flow.into_iter().collect();
+    let columns = table::columns(is_run.then_some(flow.as_slice()));
+    table::check(args, &columns, is_run)?;
     fs::create_dir_all(&args.out)
         .with_context(|| format!("cannot make the folder {}", args.out.display()))?;
     let mut failed = Vec::new();
@@ -142,7 +144,7 @@ pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
                 failed.push(job.name.as_str());
             }
         }
-        has_chart = table::write(args, &jobs, is_run)?;
+        has_chart = table::write(args, &jobs, &columns, is_run)?;
     }
     if !failed.is_empty() {
         bail!(
@@ -304,6 +306,14 @@ impl Job {
         job::pack(&pack)
     }
 
+    /// Names of the gauges, sinks and sources of its run, or of the last of its stages.
+    fn flow_names(&self) -> Result<Vec<String>, femdem::Error> {
+        match Stage::from_toml(&self.text, None)?.pop() {
+            Some(last) => Ok(last.scenario.flow_names()),
+            None => Ok(Scenario::from_toml(&self.text)?.flow_names()),
+        }
+    }
+
     /// Whether what is in its folder is of its scene: the file beside the folder has its text.
     fn is_own(&self) -> bool {
         fs::read_to_string(&self.scene).is_ok_and(|text| text == self.text)
@@ -321,10 +331,10 @@ impl Job {
     }
 
     /// Some numbers of its results, if it is finished.
-    fn numbers(&self, keys: &[&str]) -> Option<Vec<Option<f64>>> {
+    fn numbers(&self, keys: &[String]) -> Option<Vec<Option<f64>>> {
         let summary = self.summary()?;
-        let number = |key: &&str| {
-            let found = summary.pointer(&format!("/{}", key.replace('.', "/")))?;
+        let number = |key: &String| {
+            let found = find(&summary, key)?;
             found
                 .as_f64()
                 .or(found.as_bool().map(|yes| f64::from(u8::from(yes))))
@@ -333,9 +343,35 @@ impl Job {
     }
 }
 
+/// The value at a path of keys with points between them, which may be within a key too.
+fn find<'a>(value: &'a Json, path: &str) -> Option<&'a Json> {
+    value.as_object()?.iter().find_map(|(key, inner)| {
+        let rest = path.strip_prefix(key.as_str())?;
+        match rest.strip_prefix('.') {
+            Some(rest) => find(inner, rest),
+            None => rest.is_empty().then_some(inner),
+        }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_found_by_their_paths() {
+        let text = r#"{"flow": {"out.let": {"mass": 2}, "out": {"mass": 1}}, "flower": 3}"#;
+        let json: Json = serde_json::from_str(text).unwrap();
+        let number = |path: &str| find(&json, path).and_then(Json::as_f64);
+        assert_eq!(number("flow.out.let.mass"), Some(2.0));
+        assert_eq!(number("flow.out.mass"), Some(1.0));
+        assert_eq!(
+            (number("flower"), number("flow.in.mass")),
+            (Some(3.0), None)
+        );
+        let columns = table::columns(Some(&["outlet".to_owned()]));
+        assert!(columns.contains(&"flow.outlet.mean_rate".to_owned()));
+    }
 
     fn vary(text: &str) -> Vary {
         text.parse().unwrap()
@@ -427,7 +463,7 @@ mod tests {
         fs::create_dir(&made[0].folder).unwrap();
         fs::write(made[0].folder.join(folder::SUMMARY), "{\"steps\": 42}").unwrap();
         let table = || {
-            table::write(&args, &made, false).unwrap();
+            table::write(&args, &made, &table::columns(None), false).unwrap();
             fs::read_to_string(folder.path().join(table::TABLE)).unwrap()
         };
         for other in [None, Some("count = 3\n")] {

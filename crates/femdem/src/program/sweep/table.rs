@@ -42,9 +42,17 @@ pub(super) const TABLE: &str = "sweep.csv";
 /// Name of the chart.
 pub(super) const CHART: &str = "sweep.svg";
 
-/// Numbers of the table.
-fn columns(is_run: bool) -> &'static [&'static str] {
-    if is_run { &OF_RUN } else { &OF_PACK }
+/// What is told of a gauge, sink or source of a run.
+const OF_FLOW: [&str; 3] = ["bodies", "mass", "mean_rate"];
+
+/// Numbers of the table: those of a pack, or of a run with gauges, sinks and sources of these names.
+pub(super) fn columns(flow: Option<&[String]>) -> Vec<String> {
+    let Some(flow) = flow else {
+        return OF_PACK.map(str::to_owned).to_vec();
+    };
+    let counted = |name: &String| OF_FLOW.map(|number| format!("flow.{name}.{number}"));
+    let fixed = OF_RUN.map(str::to_owned).into_iter();
+    fixed.chain(flow.iter().flat_map(counted)).collect()
 }
 
 /// The column that the chart shows.
@@ -58,9 +66,9 @@ fn charted(args: &SweepArgs, is_run: bool) -> &str {
 }
 
 /// Refuses a chart of a number that the table does not have.
-pub(super) fn check(args: &SweepArgs, is_run: bool) -> Result<()> {
-    let (known, wanted) = (columns(is_run), charted(args, is_run));
-    if !known.contains(&wanted) {
+pub(super) fn check(args: &SweepArgs, known: &[String], is_run: bool) -> Result<()> {
+    let wanted = charted(args, is_run);
+    if !known.iter().any(|column| column == wanted) {
         bail!(
             "--chart {wanted}: the table has no such column, but {}",
             known.join(", ")
@@ -77,12 +85,13 @@ struct Row<'a> {
 }
 
 /// Writes the table of the jobs that are finished, and the chart if there are two points for it; returns whether there are.
-pub(super) fn write(args: &SweepArgs, jobs: &[Job], is_run: bool) -> Result<bool> {
-    let keys = columns(is_run);
+pub(super) fn write(args: &SweepArgs, jobs: &[Job], keys: &[String], is_run: bool) -> Result<bool> {
     let mut rows = Vec::new();
     let varied: Vec<String> = args.vary.iter().map(|vary| quoted(&vary.key)).collect();
     let varied: Vec<&str> = varied.iter().map(String::as_str).collect();
-    let head = ["row"].iter().chain(&varied).chain(&["seed"]).chain(keys);
+    let named: Vec<String> = keys.iter().map(|key| quoted(key)).collect();
+    let named: Vec<&str> = named.iter().map(String::as_str).collect();
+    let head = ["row"].iter().chain(&varied).chain(&["seed"]).chain(&named);
     let mut lines = vec![head.copied().collect::<Vec<_>>().join(",")];
     let mut line = |row: &str, job: &Job, seed: String, numbers: &[Option<f64>]| {
         let values = job.values.iter().map(|value| quoted(value));

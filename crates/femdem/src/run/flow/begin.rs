@@ -14,7 +14,28 @@ use crate::run::{Member, Scenario, Simulation};
 /// Sine of the largest angle between a gate and an edge of a periodic cell.
 const ALONG: f64 = 1e-9;
 
+/// A name, or one by kind and number where none is given.
+fn name_of(given: &str, kind: &str, number: usize) -> String {
+    match given {
+        "" => format!("{kind} {number}"),
+        given => given.to_owned(),
+    }
+}
+
 impl Scenario {
+    /// Names of the sinks, gauges and sources, as in results.
+    #[must_use]
+    pub fn flow_names(&self) -> Vec<String> {
+        let entries = [("sink", &self.sink), ("gauge", &self.gauge)];
+        let gates = entries.into_iter().flat_map(|(kind, entries)| {
+            let numbered = (1..).zip(entries);
+            numbered.map(move |(number, entry)| name_of(&entry.name, kind, number))
+        });
+        let sources = (1..).zip(&self.source);
+        let sources = sources.map(|(number, entry)| name_of(&entry.name, "source", number));
+        gates.chain(sources).collect()
+    }
+
     /// Refuses times of openings that cannot be or have no effect.
     pub(in crate::run) fn check_openings(&self) -> Result<(), Error> {
         for wall in &self.wall {
@@ -48,10 +69,7 @@ impl Simulation {
     pub(in crate::run) fn set_flow(&mut self, scene: &Scenario) -> Result<(), Error> {
         let mut names = BTreeSet::new();
         let mut named = |given: &str, kind: &str, number: usize| {
-            let name = match given {
-                "" => format!("{kind} {number}"),
-                given => given.to_owned(),
-            };
+            let name = name_of(given, kind, number);
             match names.insert(name.clone()) {
                 true => Ok(name),
                 false => {

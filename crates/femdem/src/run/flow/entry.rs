@@ -4,15 +4,12 @@ use femdem_mesh::Vector3;
 use femdem_pack::Grading;
 use serde::{Deserialize, Serialize};
 
-use super::state::Kind;
+use super::state::{Kind, WHOLE};
 use crate::Error;
 use crate::error::wrong;
 use crate::run::geometry::Geometry;
 use crate::run::{BodyEntry, BoxEntry, PlaneEntry};
 use crate::scene::{Unit, grading, in_metres};
-
-/// A whole number of bodies is not lost to rounding.
-pub(super) const WHOLE: f64 = 1e-9;
 
 /// Most bodies of a source.
 const MOST: u64 = 1_000_000;

@@ -11,6 +11,6 @@ mod state;
 mod step;
 
 pub use entry::{GateEntry, SourceEntry};
-pub use rows::FLOW_COLUMNS;
+pub use rows::{FLOW_COLUMNS, FlowSummary};
 pub use state::Flow;
 pub(super) use state::{Kind, Supply};

@@ -7,7 +7,8 @@ use femdem_pack::{body_stream, random_rotation, uniform};
 use femdem_solve::ShapeId;
 use serde::{Deserialize, Serialize};
 
-use super::entry::WHOLE;
+/// A whole number of bodies is not lost to rounding.
+pub(super) const WHOLE: f64 = 1e-9;
 
 /// What comes, goes and is counted in a simulation, and which walls open.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,12 +48,30 @@ pub(super) struct Count {
     pub(super) mass: f64,
     /// Mass \[kg\] and time \[s\] of the last row.
     pub(super) last: [f64; 2],
+    /// Time of the first passage \[s\] and the mass of its step \[kg\].
+    first: Option<[f64; 2]>,
+    /// Time of the latest passage \[s\].
+    latest: f64,
 }
 
 impl Count {
-    pub(super) fn add(&mut self, bodies: i64, mass: f64) {
+    /// Counts bodies of a mass \[kg\] that pass at a time \[s\].
+    pub(super) fn add(&mut self, bodies: i64, mass: f64, time: f64) {
+        let passed = bodies as f64 * mass;
         self.bodies += bodies;
-        self.mass += bodies as f64 * mass;
+        self.mass += passed;
+        self.latest = time;
+        let [first, at_first] = self.first.get_or_insert([time, 0.0]);
+        if *first == time {
+            *at_first += passed;
+        }
+    }
+
+    /// Mass over time from the first passage to the latest \[kg/s\]; `None` while there are no two.
+    pub(super) fn mean_rate(&self) -> Option<f64> {
+        let [first, at_first] = self.first?;
+        let time = self.latest - first;
+        (time > 0.0).then(|| (self.mass - at_first) / time)
     }
 }
 
@@ -68,6 +87,12 @@ impl Flow {
     pub(in crate::run) fn misfit(&self, members: usize) -> Option<usize> {
         let mut known = self.gates.iter().map(|gate| gate.beyond.len());
         known.find(|known| *known != members)
+    }
+
+    /// Corners of all boxes in which bodies come \[m\].
+    pub(in crate::run) fn all_boxes(&self) -> impl Iterator<Item = [Vector3; 2]> {
+        let boxes = self.supplies.iter();
+        boxes.map(|supply| [supply.lower.into(), supply.upper.into()])
     }
 
     /// Whether nothing opens, comes or is counted.
@@ -211,5 +236,23 @@ impl Supply {
         let place = self.places.get(self.come.bodies as usize).copied();
         let at = place.unwrap_or_else(|| [0, 1, 2].map(within));
         Pose::from_parts(Translation3::from(at), random_rotation(&mut stream))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two bodies at once, one a second later that goes back, and one after another second.
+    #[test]
+    fn the_mean_rate_is_that_after_the_first_passage() {
+        let mut count = Count::default();
+        count.add(1, 2.0, 3.0);
+        count.add(1, 2.0, 3.0);
+        assert_eq!(count.mean_rate(), None);
+        count.add(-1, 2.0, 4.0);
+        count.add(1, 5.0, 5.0);
+        assert_eq!((count.bodies, count.mass), (2, 7.0));
+        assert_eq!(count.mean_rate(), Some(1.5));
     }
 }

@@ -35,6 +35,7 @@ impl Simulation {
 
     /// Counts the bodies that have passed gates, and takes away those that are beyond a sink.
     pub(in crate::run) fn pass_gates(&mut self) -> Result<(), Error> {
+        let time = self.world.time();
         for k in 0..self.flow.gates.len() {
             for number in 0..self.members.len() {
                 let id = self.members[number].id;
@@ -49,12 +50,12 @@ impl Simulation {
                 let is_beyond = gate.is_beyond(&x);
                 if gate.takes {
                     if is_beyond && self.world.follows_drive(id).is_some() {
-                        gate.passed.add(1, mass);
+                        gate.passed.add(1, mass, time);
                         self.world.remove_body(id)?;
                         self.members[number].id = Member::GONE;
                     }
                 } else if is_beyond != gate.beyond[number] {
-                    gate.passed.add(if is_beyond { 1 } else { -1 }, mass);
+                    gate.passed.add(if is_beyond { 1 } else { -1 }, mass, time);
                     gate.beyond[number] = is_beyond;
                 }
             }
@@ -164,8 +165,9 @@ impl Simulation {
             material: supply.material,
         })?;
         let name = format!("{} {}", supply.name, self.members.len());
+        let time = self.world.time();
         let supply = &mut self.flow.supplies[k];
-        supply.come.add(1, kind.mass);
+        supply.come.add(1, kind.mass, time);
         supply.kinds[next].come += 1;
         let member = Member {
             name,

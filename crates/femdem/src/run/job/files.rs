@@ -45,11 +45,7 @@ impl Run {
             self.write_frame(folder)?;
         }
         self.flush(folder)?;
-        // All bodies may have left.
-        if self.simulation.world.body_count() > 0 {
-            let picture = self.picture(&PictureOptions::default())?;
-            write_file(folder.join("run.png"), |w| picture.write_png(w))?;
-        }
+        self.write_picture(&folder.join("run.png"))?;
         self.write_fracture(folder)?;
         if self.simulation.has_bonds() {
             write_file(folder.join("bonds.csv"), |w| self.simulation.write_bonds(w))?;
@@ -138,13 +134,32 @@ impl Run {
         if self.scenario.tables {
             self.write_tables(&frames, number)?;
         }
-        if self.scenario.pictures && simulation.world.body_count() > 0 {
-            let picture = self.picture(&PictureOptions::default())?;
-            let path = frames.join(file_name(PICTURE, number));
-            write_file(path, |w| picture.write_png(w))?;
+        if self.scenario.pictures {
+            self.write_picture(&frames.join(file_name(PICTURE, number)))?;
         }
+        let walls = if self.walls_change() {
+            frames.join(file_name(WALLS, number))
+        } else {
+            folder.join(FIXED_WALLS)
+        };
+        write_file(walls, |w| simulation.write_wall_surfaces(&self.scenario, w))?;
         self.frames.push(simulation.world.time());
         self.write_lists(folder)
+    }
+
+    /// Whether walls move or open.
+    fn walls_change(&self) -> bool {
+        let opens = self.scenario.wall.iter().any(|wall| wall.opens.is_some());
+        opens || self.scenario.moves_walls()
+    }
+
+    /// Draws the present state, where there is a body or a wall to draw.
+    fn write_picture(&self, path: &Path) -> Result<(), Error> {
+        match self.picture(&PictureOptions::default()) {
+            Ok(picture) => Ok(write_file(path, |w| picture.write_png(w))?),
+            Err(Error::View(ViewError::NothingToDraw)) => Ok(()),
+            Err(other) => Err(other),
+        }
     }
 
     /// `cracks.vtp`, `fragments.csv` and `events.csv`, where bodies may break.
@@ -164,7 +179,7 @@ impl Run {
         Ok(())
     }
 
-    /// `run.pvd`, `contacts.pvd` and, where bodies may break or are bonded, `cracks.pvd` and `bonds.pvd`.
+    /// `run.pvd`, `contacts.pvd`, `walls.pvd` and, where bodies may break or are bonded, `cracks.pvd` and `bonds.pvd`.
     fn write_lists(&self, folder: &Path) -> Result<(), Error> {
         let world = &self.simulation.world;
         let kinds = [
@@ -173,7 +188,7 @@ impl Run {
         ];
         let given = || kinds.iter().filter(|(given, _)| *given);
         let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
-        let (mut cracks, mut bonds) = (Vec::new(), Vec::new());
+        let (mut cracks, mut bonds, mut walls) = (Vec::new(), Vec::new(), Vec::new());
         for (number, &time) in self.frames.iter().enumerate() {
             let path = |kind| format!("frames/{}", file_name(kind, number));
             bodies.extend(
@@ -182,9 +197,16 @@ impl Run {
                     .map(|(part, (_, kind))| (time, part, path(*kind))),
             );
             contacts.push((time, 0, path(CONTACTS)));
+            if self.walls_change() {
+                walls.push((time, 0, path(WALLS)));
+            }
             cracks.push((time, 0, path(CRACKS)));
             bonds.push((time, 0, path(BONDS)));
         }
+        // Walls that stay as they are have one file, which ParaView shows at all times.
+        let fixed = self.frames.first().filter(|_| walls.is_empty());
+        walls.extend(fixed.map(|&time| (time, 0, FIXED_WALLS.to_owned())));
+        write_pvd_parts(folder.join("walls.pvd"), &walls)?;
         if self.simulation.has_breakable() {
             write_pvd_parts(folder.join("cracks.pvd"), &cracks)?;
         }
@@ -202,6 +224,10 @@ const PICTURE: (&str, &str) = ("picture", "png");
 const CONTACTS: (&str, &str) = ("contacts", "vtp");
 const BONDS: (&str, &str) = ("bonds", "vtp");
 const CRACKS: (&str, &str) = ("cracks", "vtp");
+const WALLS: (&str, &str) = ("walls", "vtp");
+
+/// Name of the walls of a run in which none changes.
+const FIXED_WALLS: &str = "walls.vtp";
 
 fn file_name((stem, extension): (&str, &str), number: usize) -> String {
     format!("{stem}-{number:05}.{extension}")
