@@ -92,6 +92,10 @@ impl TryFrom<Stored> for Simulation {
         if let Some(known) = flow.misfit(members.len()) {
             return none("body that a gauge has seen", known, members.len());
         }
+        let shapes = world.shapes().len();
+        if let Some(source) = flow.misfit_source(shapes) {
+            return none("shape of the bodies of a source", source, shapes);
+        }
         if let Some([load, count]) = loads.misfit() {
             return none("load on a body", load, count);
         }

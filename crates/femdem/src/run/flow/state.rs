@@ -89,6 +89,13 @@ impl Flow {
         known.find(|known| *known != members)
     }
 
+    /// The number of a source without a kind of bodies or with a shape that is none of so many.
+    pub(in crate::run) fn misfit_source(&self, shapes: usize) -> Option<usize> {
+        let mut supplies = self.supplies.iter();
+        let unknown = |kind: &Kind| kind.shape as usize >= shapes;
+        supplies.position(|supply| supply.kinds.is_empty() || supply.kinds.iter().any(unknown))
+    }
+
     /// Corners of all boxes in which bodies come \[m\].
     pub(in crate::run) fn all_boxes(&self) -> impl Iterator<Item = [Vector3; 2]> {
         let boxes = self.supplies.iter();
