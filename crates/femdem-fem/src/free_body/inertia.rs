@@ -1,6 +1,7 @@
 //! Inertia relief: the body force that balances the loads of a free body.
 
 use crate::element::Element;
+use crate::error::{FemError, check};
 use crate::model::DeformableModel;
 use femdem_mesh::tet::MID_EDGES;
 use femdem_mesh::{Matrix3, Vector3};
@@ -15,27 +16,30 @@ pub(super) struct Inertia {
 }
 
 impl Inertia {
-    pub fn of(model: &DeformableModel) -> Self {
+    /// # Errors
+    ///
+    /// [`FemError::Parameter`] for a moment of inertia without an inverse.
+    pub fn of(model: &DeformableModel) -> Result<Self, FemError> {
         let (mut mass, mut moment) = (0.0, Vector3::zeros());
-        for_corners(model, |own, corners| {
+        for_corners(model, |_, own, corners| {
             mass += own;
             moment += corners.iter().sum::<Vector3>() * (own / 4.0);
         });
         let centre = moment / mass;
         // Integral of r (x) r over a tetrahedron: V/20 (sum r_k (x) r_k + s (x) s), s the sum of its corners r_k.
         let mut second = Matrix3::zeros();
-        for_corners(model, |own, corners| {
+        for_corners(model, |_, own, corners| {
             let r = corners.map(|x| x - centre);
             let sum: Vector3 = r.iter().sum();
             let squares: Matrix3 = r.iter().map(|r| r * r.transpose()).sum();
             second += (squares + sum * sum.transpose()) * (own / 20.0);
         });
         let moment = Matrix3::identity() * second.trace() - second;
-        Self {
+        Ok(Self {
             mass,
             centre,
-            inverse: moment.try_inverse().unwrap_or_else(Matrix3::zeros),
-        }
+            inverse: inverse(&moment)?,
+        })
     }
 
     /// Adds to nodal forces those of the body force b = -rho (a + alpha x r), with the accelerations a = F/m and
@@ -48,11 +52,7 @@ impl Inertia {
             moment += (x - self.centre).cross(f);
         }
         let [linear, angular] = [force / self.mass, self.inverse * moment];
-        let mut elements = model.elements();
-        for_corners(model, |mass, corners| {
-            let Some(nodes) = elements.next() else {
-                return;
-            };
+        for_corners(model, |nodes, mass, corners| {
             let b = corners.map(|x| -(linear + angular.cross(&(x - self.centre))) * mass);
             let mut add = |node: usize, f: Vector3| forces[nodes[node] as usize] += f;
             let sum: Vector3 = b.iter().sum();
@@ -76,12 +76,32 @@ impl Inertia {
     }
 }
 
-/// Calls `f` with mass and corners of every tetrahedron.
-fn for_corners(model: &DeformableModel, mut f: impl FnMut(f64, [Vector3; 4])) {
-    let elements = model.mesh().tets().iter();
+/// Inverse of a moment of inertia.
+///
+/// # Errors
+///
+/// [`FemError::Parameter`] if it has none.
+pub(super) fn inverse(moment: &Matrix3) -> Result<Matrix3, FemError> {
+    let (name, allowed) = ("determinant of a moment of inertia", "above 0");
+    let determinant = moment.determinant();
+    check(name, determinant, determinant > 0.0, allowed)?;
+    moment.try_inverse().ok_or(FemError::Parameter {
+        name,
+        value: determinant,
+        allowed,
+    })
+}
+
+/// Calls `f` with nodes, mass and corners of every tetrahedron.
+fn for_corners(model: &DeformableModel, mut f: impl FnMut(&[u32], f64, [Vector3; 4])) {
+    let elements = model.elements().zip(model.mesh().tets());
     let masses = model.volumes().iter().zip(model.region_of_tet());
-    for (tet, (volume, &region)) in elements.zip(masses) {
+    for ((nodes, tet), (volume, &region)) in elements.zip(masses) {
         let density = model.regions()[region as usize].density;
-        f(volume * density, tet.map(|i| model.nodes()[i as usize]));
+        f(
+            nodes,
+            volume * density,
+            tet.map(|i| model.nodes()[i as usize]),
+        );
     }
 }

@@ -54,6 +54,9 @@ impl PatchLoad {
 const LEAST_RADIUS: f64 = 1e-3;
 /// Points on a line, by the smallest over the largest principal moment of their places.
 const SAME_LINE: f64 = 1e-9;
+/// Points in one place, by the root mean square of their levers over the length of an edge: beyond a corner all act at it, and
+/// their levers are rounding.
+const SAME_PLACE: f64 = 1e-6;
 /// Most rings of points in a disc.
 const MOST_RINGS: usize = 12;
 
@@ -63,38 +66,69 @@ impl FreeBody {
     /// The disc carries equal forces, and forces in proportion to the distance from its middle that make up the moment: on
     /// points q of equal area, t = F/n + b x (q - c) with their mean c. Points of the disc beside the body are left out, each with
     /// the one opposite, so that the middle stays; those above the skin act at the nearest point of the body. Each force goes to the nodes of its tetrahedron by
-    /// their shape functions. Where all points lie on a line, as beside an edge, the moment about that line is left out.
+    /// their shape functions. Where all points lie on a line, as beside an edge, the moment about that line is left out, and where
+    /// they lie in one place, as beyond a corner, all of it; the force is kept.
     ///
     /// # Errors
     ///
-    /// [`FemError::Parameter`] for numbers that mean nothing, and for another length of `forces` than the model's nodes.
+    /// [`FemError::Parameter`] for numbers that mean nothing, for a disc none of whose points finds a place on the body, and for
+    /// another length of `forces` than the model's nodes.
     pub fn add_patch(&self, load: &PatchLoad, forces: &mut [Vector3]) -> Result<(), FemError> {
         load.check()?;
         self.check_length(forces.len())?;
         let places = self.places_of(load);
-        let share = 1.0 / places.len().max(1) as f64;
+        let count = places.len() as f64;
+        check(
+            "number of points of a disc on the body",
+            count,
+            count > 0.0,
+            "above 0",
+        )?;
+        let share = 1.0 / count;
         let middle: Vector3 = places.iter().map(|p| p.point.coords * share).sum();
-        let arm = |place: &Place| place.point.coords - middle;
-        // sum of r x (b x r) = J b.
-        let levers: Matrix3 = places
+        let mut arms: Vec<Vector3> = places
             .iter()
-            .map(|place| {
-                let r = arm(place);
-                Matrix3::identity() * r.norm_squared() - r * r.transpose()
-            })
+            .map(|place| place.point.coords - middle)
+            .collect();
+        // The mean again: what rounding of the coordinates leaves in the sum would turn into a force.
+        let left: Vector3 = arms.iter().map(|r| r * share).sum();
+        for arm in &mut arms {
+            *arm -= left;
+        }
+        // sum of r x (b x r) = J b.
+        let levers: Matrix3 = arms
+            .iter()
+            .map(|r| Matrix3::identity() * r.norm_squared() - r * r.transpose())
             .sum();
         let rest = load.moment - (middle - load.point.coords).cross(&load.force);
-        // About the line of points on a line nothing turns.
-        let least = SAME_LINE * levers.norm();
-        let turn = levers
-            .pseudo_inverse(least)
-            .map_or(rest * 0.0, |inverse| inverse * rest);
-        for place in &places {
-            let force = load.force * share + turn.cross(&arm(place));
+        // About the line of points on a line, and about points in one place, nothing turns.
+        let least = f64::max(
+            SAME_LINE * levers.norm(),
+            (SAME_PLACE * self.edge).powi(2) * count,
+        );
+        let principal = levers.symmetric_eigen();
+        let axes = principal
+            .eigenvalues
+            .iter()
+            .zip(principal.eigenvectors.column_iter());
+        let turn: Vector3 = axes
+            .filter(|(moment, _)| **moment > least)
+            .map(|(moment, axis)| axis * (axis.dot(&rest) / moment))
+            .sum();
+        let (mut sum, mut sizes) = (Vector3::zeros(), 0.0);
+        for (place, arm) in places.iter().zip(&arms) {
+            let force = load.force * share + turn.cross(arm);
             for (node, weight) in self.weights(place) {
-                forces[node as usize] += force * weight;
+                let own = force * weight;
+                forces[node as usize] += own;
+                sum += own;
+                sizes += own.norm();
             }
         }
+        debug_assert!(
+            (sum - load.force).norm() <= 1e-9 * load.force.norm() + 1e-12 * sizes,
+            "the nodal forces of {load:?} sum to {sum:?}"
+        );
         Ok(())
     }
 

@@ -1,4 +1,4 @@
-//! The largest stresses of a free body, and a bound of them from its forces alone.
+//! The largest stresses of a free body, and an estimate of its tension from its forces alone.
 
 use super::{FreeBody, PatchLoad, Solved};
 use crate::model::ElementStress;
@@ -14,11 +14,14 @@ pub const SPLITTING: f64 = 0.9;
 /// counts. There the tension beside a point force on a half-space, (1 - 2 nu) F/(2 pi r^2), is 0.4 F/d² for nu = 0.22.
 const NEAR: f64 = 0.48;
 
+/// Contacts whose force is at most this part of the largest are none: the stress beside them is that of the others.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// Largest stresses at the nodes of a body, Pa.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peaks {
     /// Largest principal stress away from contacts: farther from the place of each on the skin than 0.48 inscribed diameters.
-    /// `None` if all nodes are near one.
+    /// `None` if all nodes are near one. Contacts of at most 1e-6 of the largest force do not count.
     pub tension: Option<f64>,
     /// Largest von Mises stress there.
     pub von_mises: Option<f64>,
@@ -39,8 +42,11 @@ impl FreeBody {
             von_mises_anywhere: 0.0,
         };
         let reach = NEAR * self.inscribed;
+        let sizes = loads.iter().map(|load| load.force.norm());
+        let least = NEGLIGIBLE * sizes.fold(0.0, f64::max);
+        let pressing = loads.iter().filter(|load| load.force.norm() > least);
         let on_skin = |load: &PatchLoad| Some(self.places.on_skin(&load.point)?.1);
-        let contacts: Vec<Point3> = loads.iter().filter_map(on_skin).collect();
+        let contacts: Vec<Point3> = pressing.filter_map(on_skin).collect();
         for (point, cauchy) in self.model.mesh().points().iter().zip(solved.corners()) {
             let stress = ElementStress {
                 cauchy: *cauchy,
@@ -61,11 +67,10 @@ impl FreeBody {
         peaks
     }
 
-    /// About the largest tension by which opposing forces split the body, without a solve: 0.9 F/d² (Pa) with the inscribed
-    /// diameter d and the largest force F of a load, which the others and inertia oppose.
+    /// About the tension (Pa) by which two opposite forces of the size `force` (N) split the body, without a solve: 0.9 F/d² with
+    /// the inscribed diameter d. It is no bound: bodies that bend have more.
     #[must_use]
-    pub fn splitting_bound(&self, loads: &[PatchLoad]) -> f64 {
-        let sizes = loads.iter().map(|load| load.force.norm());
-        SPLITTING * sizes.fold(0.0, f64::max) / self.inscribed.powi(2)
+    pub fn splitting_estimate(&self, force: f64) -> f64 {
+        SPLITTING * force / self.inscribed.powi(2)
     }
 }

@@ -120,10 +120,11 @@ impl Places {
     fn coordinates(&self, tet: usize, x: &Point3) -> [f64; 4] {
         let [a, b, c, d] = self.tets[tet];
         let edges = Matrix3::from_columns(&[b - a, c - a, d - a]);
-        // A checked mesh has no flat tetrahedron.
-        let [l, m, n]: [f64; 3] = edges
-            .try_inverse()
-            .map_or([0.0; 3], |inverse| (inverse * (x - a)).into());
+        // Cramer's rule.
+        let (way, volume) = (x - a, edges.determinant());
+        debug_assert!(volume != 0.0, "a checked mesh has no flat tetrahedron");
+        let [e, f, g] = [b - a, c - a, d - a];
+        let [l, m, n] = [f.cross(&g), g.cross(&e), e.cross(&f)].map(|s| way.dot(&s) / volume);
         [1.0 - l - m - n, l, m, n]
     }
 }

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use femdem::fem::element::Element;
-use femdem::mesh::TetMesh;
+use femdem::mesh::{TetMesh, Vector3};
+use femdem::run::{Behaviour, Run};
 use femdem::solve::World;
-use femdem::stresses::{StressOptions, stresses};
+use femdem::stresses::{StressOptions, Stresses, stresses};
 
 use super::resolve::check_rest;
 use super::running::{Outcome, in_pool};
@@ -17,7 +18,7 @@ use super::{complain, folder, say};
 
 pub(crate) const HELP: &str = "\
 The folder then holds
-  stress.csv                 of each body: largest tension, von Mises stress, bound, mean stress
+  stress.csv                 of each body: largest tension, von Mises stress, splitting estimate, mean stress
   stress.vtu                 tetrahedra with stresses, for ParaView
   stress.png                 the bodies coloured by their largest tension
   stresses.json              the result in numbers";
@@ -108,8 +109,69 @@ fn meshes(found: &Found) -> Vec<Option<TetMesh>> {
     }
 }
 
-/// Net forces above this part of the contact forces are told: the bodies are not at rest.
-const AT_REST: f64 = 0.05;
+/// Gravity [m/s²]; that of tables is the user's word.
+fn gravity(found: &Found) -> Vector3 {
+    match &found.origin {
+        Origin::Pack(saved) => saved.packing.world().parameters().gravity,
+        Origin::Run(saved, _) => saved.0.simulation().world.parameters().gravity,
+        Origin::Elsewhere => Vector3::z() * -found.snapshot.gravity,
+    }
+}
+
+/// Refuses runs in which other than rigid bodies, or other forces than those of contacts and gravity, are.
+fn refuse_others(run: &Run) -> Result<()> {
+    let (scene, simulation) = (run.scenario(), run.simulation());
+    let world = &simulation.world;
+    let rigid = |behaviour: Behaviour| behaviour == Behaviour::Rigid;
+    if world.deformables().next().is_some()
+        || simulation.members.iter().any(|member| member.of.is_some())
+        || scene.body.iter().any(|body| !rigid(body.behaviour))
+    {
+        bail!(
+            "the run has deformable bodies, which have stresses of their own, in its frames: `femdem stresses` is for rigid bodies"
+        );
+    }
+    if world.bonds_added() > 0 {
+        bail!(
+            "the run has bonds, whose forces are no contacts: stresses inside its bodies without them would be wrong; \
+             bonds.csv has the stresses of the bonds"
+        );
+    }
+    let is_loaded = |id| {
+        let load = world.applied_load(id);
+        load.is_some_and(|load| load.force != Vector3::zeros() || load.torque != Vector3::zeros())
+    };
+    if !scene.load.is_empty() || world.body_ids().any(is_loaded) {
+        bail!(
+            "the run has a [[load]], which is no contact: stresses inside its bodies without it would be wrong; take them of a \
+             stage without loads"
+        );
+    }
+    Ok(())
+}
+
+/// Bodies are named up to this number.
+const NAMED: usize = 5;
+
+/// Warns of bodies whose contacts and weight do not balance.
+fn warn(solved: &Stresses, unknown: usize) {
+    let bodies: Vec<String> = solved.not_at_rest().map(|i| i.to_string()).collect();
+    if !bodies.is_empty() {
+        let named = bodies[..bodies.len().min(NAMED)].join(", ");
+        let more = if bodies.len() > NAMED { ", ..." } else { "" };
+        complain(&format!(
+            "warning: {} of {} bodies have a net force above 5 % of their contact forces (rows {named}{more} of stress.csv): they are \
+             not at rest, or held or driven, and accelerations balance their forces, as in flight",
+            bodies.len(),
+            solved.bodies.len()
+        ));
+    }
+    if unknown > 0 {
+        complain(&format!(
+            "warning: whether {unknown} bodies are at rest is not known: they have no contact forces, or their masses are not known"
+        ));
+    }
+}
 
 pub(crate) fn run(args: &StressesArgs) -> Result<Outcome> {
     in_pool(args.threads.map(usize::from), |_| {
@@ -118,6 +180,9 @@ pub(crate) fn run(args: &StressesArgs) -> Result<Outcome> {
         if let Origin::Pack(saved) = &found.origin {
             check_rest(&saved.packing, &args.folder)?;
         }
+        if let Origin::Run(saved, _) = &found.origin {
+            refuse_others(&saved.0)?;
+        }
         let out = match &args.out {
             Some(out) => out.clone(),
             None => found.folder.join("stresses"),
@@ -125,14 +190,11 @@ pub(crate) fn run(args: &StressesArgs) -> Result<Outcome> {
         let _claim = folder::prepare(&out, args.force)?;
         let options = args.options();
         let start = Instant::now();
-        let solved = stresses(&found.snapshot, &meshes(&found), &options)?;
+        let gravity = Some(gravity(&found));
+        let solved = stresses(&found.snapshot, &meshes(&found), gravity, &options)?;
         let summary = solved.summary(&options, start.elapsed().as_secs_f64());
         solved.write(&out, &found.snapshot, &options, &summary)?;
-        if summary.net_force[0] > AT_REST {
-            complain(
-                "warning: half of the bodies are not at rest: their net forces are balanced by their accelerations, as in flight",
-            );
-        }
+        warn(&solved, summary.net_force_unknown);
         if !args.quiet {
             let shown = out.display();
             say(&format!("{summary}  {:<20} {shown}", "results in"));

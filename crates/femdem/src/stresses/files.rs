@@ -87,7 +87,10 @@ impl Stresses {
 
     /// The bodies' largest tensions, for a picture.
     fn values(&self) -> BodyValues {
-        let values = self.bodies.iter().map(BodyStress::tension);
+        let values = self
+            .bodies
+            .iter()
+            .map(|body| body.peaks.tension.unwrap_or(f64::NAN));
         let most = values.clone().fold(0.0, f64::max);
         let (unit, name) = unit_of(most);
         BodyValues {
@@ -110,7 +113,7 @@ const COLUMNS: [&str; 24] = [
     "body",
     "volume_m3",
     "contacts",
-    "bound_pa",
+    "splitting_pa",
     "tension_pa",
     "von_mises_pa",
     "tension_anywhere_pa",
@@ -146,7 +149,7 @@ impl Table for Rows<'_> {
                 Cell::Count(i as u64),
                 Cell::Number(body.volume),
                 Cell::Count(body.contacts.into()),
-                Cell::Number(body.bound),
+                Cell::Number(body.splitting),
                 known(peaks.tension),
                 known(peaks.von_mises),
                 Cell::Number(peaks.tension_anywhere),
@@ -156,7 +159,8 @@ impl Table for Rows<'_> {
                 row.extend(COMPONENTS.map(|place| Cell::Number(stress[place])));
             }
             row.extend([known(body.net_force), Cell::Number(body.residual)]);
-            let ratio = self.strength.map(|strength| body.tension() / strength);
+            let ratio = self.strength.zip(peaks.tension);
+            let ratio = ratio.map(|(strength, tension)| tension / strength);
             row.push(known(ratio));
             row.push(ratio.map_or(Cell::Empty, |ratio| Cell::Count(u64::from(ratio > 1.0))));
             row

@@ -1,15 +1,44 @@
 //! The contacts of a snapshot as loads on its bodies.
 
 use femdem_fem::free_body::PatchLoad;
+use femdem_mesh::Vector3;
 
 use crate::{Error, Partner, Snapshot};
 
-/// The loads on every body, in the coordinates of its shape.
+/// The other side of a contact.
+#[derive(Clone, Copy, PartialEq)]
+enum Side<'a> {
+    Body(u32),
+    Wall(&'a str),
+}
+
+/// The patches of a body's contacts, with whom they are.
+#[derive(Clone, Default)]
+pub(super) struct Loads<'a> {
+    /// In the coordinates of its shape; normals point into the body.
+    pub patches: Vec<PatchLoad>,
+    sides: Vec<Side<'a>>,
+}
+
+impl Loads<'_> {
+    /// Largest force of a partner \[N\]: that of its patches together that press from the same side, as those of a face on a body
+    /// that is not convex do.
+    pub fn largest(&self) -> f64 {
+        let all = || self.patches.iter().zip(&self.sides);
+        let together = |(patch, side): (&PatchLoad, &Side)| {
+            let alike = all().filter(|(p, s)| *s == side && p.normal.dot(&patch.normal) > 0.0);
+            alike.map(|(p, _)| p.force).sum::<Vector3>().norm()
+        };
+        all().map(together).fold(0.0, f64::max)
+    }
+}
+
+/// The loads on every body.
 ///
 /// # Errors
 ///
 /// [`Error::NoForces`] if the contacts or their forces are not known.
-pub(super) fn of_bodies(snapshot: &Snapshot) -> Result<Vec<Vec<PatchLoad>>, Error> {
+pub(super) fn of_bodies(snapshot: &Snapshot) -> Result<Vec<Loads<'_>>, Error> {
     let gaps = snapshot.gaps;
     let missing = [
         (
@@ -28,10 +57,10 @@ pub(super) fn of_bodies(snapshot: &Snapshot) -> Result<Vec<Vec<PatchLoad>>, Erro
     if let Some((_, what)) = missing.into_iter().find(|(is_missing, _)| *is_missing) {
         return Err(Error::NoForces { what });
     }
-    let mut loads = vec![Vec::new(); snapshot.bodies.len()];
+    let mut loads = vec![Loads::default(); snapshot.bodies.len()];
     for row in &snapshot.contacts {
         let on_partner = row.normal * row.normal_force + row.friction;
-        let mut add = |i: u32, sign: f64| {
+        let mut add = |i: u32, sign: f64, side: Side<'_>| {
             let body = &snapshot.bodies[i as usize];
             let shape = &snapshot.shapes[body.shape as usize].polyhedron;
             let centre = body.pose * shape.mass_properties().centroid;
@@ -41,17 +70,22 @@ pub(super) fn of_bodies(snapshot: &Snapshot) -> Result<Vec<Vec<PatchLoad>>, Erro
                 .space
                 .map_or(way, |space| space.cell.shortest(&way));
             let back = body.pose.inverse();
-            loads[i as usize].push(PatchLoad {
+            let own = &mut loads[i as usize];
+            own.sides.push(side);
+            own.patches.push(PatchLoad {
                 point: back * (centre + way),
-                normal: back * row.normal,
+                normal: back * (row.normal * sign),
                 area: row.area,
                 force: back * (on_partner * sign),
                 moment: back * (row.moment * sign),
             });
         };
-        add(row.body, -1.0);
-        if let Partner::Body(other) = row.partner {
-            add(other, 1.0);
+        match &row.partner {
+            Partner::Body(other) => {
+                add(row.body, -1.0, Side::Body(*other));
+                add(*other, 1.0, Side::Body(row.body));
+            }
+            Partner::Wall(wall) => add(row.body, -1.0, Side::Wall(wall)),
         }
     }
     Ok(loads)

@@ -18,7 +18,8 @@
 //! packing.run()?;
 //! let snapshot = femdem::results::snapshot(&packing);
 //! let options = StressOptions { mesh_size: 0.4, ..StressOptions::default() };
-//! let found = stresses(&snapshot, &[], &options)?;
+//! let gravity = packing.world().parameters().gravity;
+//! let found = stresses(&snapshot, &[], Some(gravity), &options)?;
 //! assert!(found.bodies.iter().all(|body| body.residual < 1e-6));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -41,6 +42,7 @@ use crate::meshing::options_of;
 use crate::resolve::ResolveOptions;
 use crate::{Error, Snapshot};
 
+use loads::Loads;
 pub use summary::{Quantiles, StressSummary};
 
 /// The material of the bodies, their meshes, and what is kept.
@@ -84,27 +86,19 @@ pub struct BodyStress {
     pub volume: f64,
     /// Number of its contacts.
     pub contacts: u32,
-    /// [`FreeBody::splitting_bound`] \[Pa\].
-    pub bound: f64,
+    /// [`FreeBody::splitting_estimate`] of the largest force of a partner \[Pa\].
+    pub splitting: f64,
     /// The largest stresses.
     pub peaks: Peaks,
     /// Mean stress of the elements \[Pa\].
     pub elements: Matrix3,
     /// Love-Weber with one force at the point of each contact \[Pa\]: symmetric part of (1/V) Σ f ⊗ (x − c).
     pub contacts_mean: Matrix3,
-    /// Net force, weight included, over the sum of the sizes of the contact forces: 0 at rest. `None` without contacts, or if masses
-    /// or gravity are not known.
+    /// Net force, weight included, over the sum of the sizes of the contact forces: 0 at rest. `None` without contact forces, and if
+    /// gravity, or a mass that it acts on, is not known.
     pub net_force: Option<f64>,
     /// [`Solved::residual`].
     pub residual: f64,
-}
-
-impl BodyStress {
-    /// The tension that counts against a strength: away from contacts, and anywhere in a body that is all near one \[Pa\].
-    #[must_use]
-    pub fn tension(&self) -> f64 {
-        self.peaks.tension.unwrap_or(self.peaks.tension_anywhere)
-    }
 }
 
 /// The elements of a body, and their stresses in its own axes.
@@ -122,7 +116,9 @@ pub struct Stresses {
 }
 
 /// Finds the stresses of all bodies of a snapshot. `meshes` are tetrahedra for its shapes, by index, where the shape has its own;
-/// others are meshed. The work is done on the caller's rayon pool; results are the same bits with any number of threads.
+/// others are meshed. `gravity` \[m/s²\], if it is known, is for the net forces alone. Forces other than those of contacts and gravity
+/// are not known here: inertia balances what they leave. The work is done on the caller's rayon pool, a shape after the other, with
+/// one factorisation in memory; results and errors are the same with any number of threads.
 ///
 /// # Errors
 ///
@@ -131,13 +127,13 @@ pub struct Stresses {
 pub fn stresses(
     snapshot: &Snapshot,
     meshes: &[Option<TetMesh>],
+    gravity: Option<Vector3>,
     options: &StressOptions,
 ) -> Result<Stresses, Error> {
     snapshot.check()?;
     check(options)?;
     let loads = loads::of_bodies(snapshot)?;
     let keep = snapshot.bodies.len() <= options.most_fields;
-    // Shape by shape, so that no more factorisations are in memory than threads work on them.
     let of_shape = |shape: usize| -> Result<Vec<Found>, Error> {
         let own = snapshot.bodies.iter().enumerate();
         let own: Vec<usize> = own
@@ -150,7 +146,7 @@ pub fn stresses(
         let surface = &snapshot.shapes[shape].polyhedron;
         let body = free_body(surface, meshes.get(shape).and_then(Option::as_ref), options)?;
         let solve = |&i: &usize| {
-            let (stress, solved) = of_body(snapshot, i, &body, &loads[i])?;
+            let (stress, solved) = of_body(snapshot, i, gravity, &body, &loads[i])?;
             Ok(Found {
                 body: i,
                 stress,
@@ -158,13 +154,14 @@ pub fn stresses(
                 field: keep.then(|| (Arc::clone(body.model()), solved)),
             })
         };
-        own.par_iter().map(solve).collect()
+        // All first, then the first error in their order.
+        let all: Vec<Result<Found, Error>> = own.par_iter().map(solve).collect();
+        all.into_iter().collect()
     };
-    let found: Result<Vec<_>, Error> = (0..snapshot.shapes.len())
-        .into_par_iter()
-        .map(of_shape)
-        .collect();
-    let mut found: Vec<Found> = found?.into_iter().flatten().collect();
+    let mut found = Vec::new();
+    for shape in 0..snapshot.shapes.len() {
+        found.extend(of_shape(shape)?);
+    }
     found.sort_by_key(|found| found.body);
     Ok(Stresses {
         bodies: found.iter().map(|found| found.stress).collect(),
@@ -222,13 +219,16 @@ fn free_body(
 fn of_body(
     snapshot: &Snapshot,
     i: usize,
+    gravity: Option<Vector3>,
     free: &FreeBody,
-    loads: &[PatchLoad],
+    loads: &Loads<'_>,
 ) -> Result<(BodyStress, Solved), Error> {
     let body = snapshot.bodies[i];
     let properties = snapshot.shapes[body.shape as usize]
         .polyhedron
         .mass_properties();
+    let largest = loads.largest();
+    let loads = &loads.patches;
     let solved = free.solve_patches(loads)?;
     let first = |load: &PatchLoad| load.force * (load.point - properties.centroid).transpose();
     let first: Matrix3 = loads.iter().map(first).sum();
@@ -237,18 +237,21 @@ fn of_body(
         turn.matrix() * crate::means::symmetric(stress) * turn.matrix().transpose()
     };
     let sizes: f64 = loads.iter().map(|load| load.force.norm()).sum();
-    let weight = snapshot.masses.get(i).map(|mass| mass * snapshot.gravity);
-    let net = weight
-        .filter(|weight| *weight > 0.0 && sizes > 0.0)
-        .map(|weight| {
-            let sum: Vector3 = loads.iter().map(|load| load.force).sum();
-            (body.pose.rotation * sum - Vector3::z() * weight).norm() / sizes
-        });
+    let weight = gravity.and_then(|gravity| {
+        if gravity == Vector3::zeros() {
+            return Some(gravity);
+        }
+        Some(gravity * *snapshot.masses.get(i)?)
+    });
+    let net = weight.filter(|_| sizes > 0.0).map(|weight| {
+        let sum: Vector3 = loads.iter().map(|load| load.force).sum();
+        (body.pose.rotation * sum + weight).norm() / sizes
+    });
     let stress = BodyStress {
         shape: body.shape,
         volume: properties.volume,
         contacts: loads.len() as u32,
-        bound: free.splitting_bound(loads),
+        splitting: free.splitting_estimate(largest),
         peaks: free.peaks(&solved, loads),
         elements: in_world(solved.mean()),
         contacts_mean: in_world(&(first / properties.volume)),
