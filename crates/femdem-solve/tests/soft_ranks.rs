@@ -4,7 +4,7 @@
 
 use crate::common::ranks::Threads;
 use crate::ranks::on_ranks;
-use femdem_contact::{ContactParameters, Partner, Wall};
+use femdem_contact::{ContactParameters, Partner, PeriodicCell, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::material::{AnyMaterial, J2, NeoHookean};
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
@@ -241,7 +241,9 @@ fn the_step_after_a_change_of_the_medium_is_the_same_on_any_ranks() {
         local_damping: 0.2,
         ..Medium::default()
     };
-    agrees(&heap(false), false, |world| world.set_medium(medium).unwrap());
+    agrees(&heap(false), false, |world| {
+        world.set_medium(medium).unwrap()
+    });
 }
 
 #[test]
@@ -273,7 +275,7 @@ fn the_step_after_changes_by_hand_is_the_same_if_the_world_is_then_shared_out() 
 #[test]
 fn what_one_rank_cannot_do_with_deformable_bodies_is_refused() {
     let mut world = heap(false);
-    let cell = PeriodicCell::new(Matrix3::identity(), [true; 3]).unwrap();
+    let cell = PeriodicCell::new([Some(1.0); 3]).unwrap();
     world.share_out(&mut Alone).unwrap();
     let refused = [
         world.solve_single_bodies(1e-3).map(|_| ()),

@@ -159,7 +159,9 @@ impl World {
             self.motions[id as usize] = member.motion;
             if let Some(nodes) = member.nodes {
                 let Some(deformables) = self.deformables.as_mut() else {
-                    return Err(ranks("nodes came of a deformable body where there are none"));
+                    return Err(ranks(
+                        "nodes came of a deformable body where there are none",
+                    ));
                 };
                 deformables.give(id, *nodes);
             }
