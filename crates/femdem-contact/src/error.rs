@@ -156,6 +156,22 @@ pub enum ContactError {
     },
 }
 
+impl ContactError {
+    /// The same error with other numbers of the bodies that it names.
+    #[must_use]
+    pub fn with_bodies(mut self, number: impl FnOnce(usize) -> usize) -> Self {
+        if let Self::NotFinite { body, .. }
+        | Self::LoadNotFinite { body, .. }
+        | Self::NodeCount { body, .. }
+        | Self::NodeState { body, .. }
+        | Self::InvertedTet { body, .. } = &mut self
+        {
+            *body = number(*body);
+        }
+        self
+    }
+}
+
 impl From<femdem_mesh::MeshError> for ContactError {
     fn from(error: femdem_mesh::MeshError) -> Self {
         Self::Mesh {

@@ -2,15 +2,18 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
+use crate::common::ranks::Threads;
 use crate::ranks::on_ranks;
-use femdem_contact::{ContactParameters, Wall};
+use femdem_contact::{ContactParameters, Partner, PeriodicCell, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::material::{AnyMaterial, J2, NeoHookean};
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::nalgebra::{Translation3, UnitQuaternion};
 use femdem_mesh::{Pose, TetMesh, Vector3};
-use femdem_solve::{BodySpec, ContactStiffness, DeformableSpec, Drive, World, WorldParameters};
+use femdem_solve::{
+    Alone, BodySpec, ContactStiffness, DeformableSpec, Drive, Halo, Medium, World, WorldParameters,
+};
 
 /// Edge of a cube, m.
 const EDGE: f64 = 0.1;
@@ -195,5 +198,92 @@ fn deformable_bodies_have_the_same_bits_on_any_ranks() {
             let [read, later] = [&read, &later].map(|world| world.checksum_of_motion().unwrap());
             assert_eq!(read, later, "{size} ranks");
         }
+    }
+}
+
+/// A change after 7 steps leads to the same bits 3 steps later, alone and on ranks: `early`, just before the world is shared out, or
+/// just after it.
+fn agrees(world: &World, early: bool, change: impl Fn(&mut World) + Sync) {
+    let run = |world: &mut World, halo: &mut dyn Halo, steps: u32| {
+        for _ in 0..steps {
+            world.step_on(halo).unwrap();
+        }
+    };
+    let mut begun = world.clone();
+    run(&mut begun, &mut Alone, 7);
+    let mut alone = begun.clone();
+    change(&mut alone);
+    run(&mut alone, &mut Alone, 3);
+    let expected = alone.checksum_of_motion().unwrap();
+    for size in [1, 2] {
+        let parts = Threads::each(size, |halo| {
+            let mut world = begun.clone();
+            if early {
+                change(&mut world);
+            }
+            world.share_out(halo).unwrap();
+            if !early {
+                change(&mut world);
+            }
+            run(&mut world, halo, 3);
+            world.gather(halo).unwrap()
+        });
+        let whole = parts.into_iter().next().unwrap().unwrap();
+        let found = whole.checksum_of_motion().unwrap();
+        assert_eq!(found, expected, "{size} ranks");
+        assert_eq!(whole.time_step(), alone.time_step());
+    }
+}
+
+#[test]
+fn the_step_after_a_change_of_the_medium_is_the_same_on_any_ranks() {
+    let medium = Medium {
+        local_damping: 0.2,
+        ..Medium::default()
+    };
+    agrees(&heap(false), false, |world| {
+        world.set_medium(medium).unwrap()
+    });
+}
+
+#[test]
+fn the_step_after_a_thinner_body_has_come_is_the_same_on_any_ranks() {
+    let mut world = heap(false);
+    let bead = world.add_sphere("bead", 0.1 * EDGE).unwrap();
+    agrees(&world, false, |world| {
+        let pose = Pose::translation(5.0 * EDGE, 0.8 * EDGE, 20.0 * EDGE);
+        world
+            .add_body(BodySpec::at_rest(bead, 1500.0, pose))
+            .unwrap();
+    });
+}
+
+#[test]
+fn the_step_after_changes_by_hand_is_the_same_if_the_world_is_then_shared_out() {
+    let world = heap(false);
+    agrees(&world, true, |world| world.remove_body(6).unwrap());
+    agrees(&world, true, |world| {
+        // Smaller by a fifth: the bound of its elements is another.
+        let body = world.deformable(3).unwrap();
+        let [x, v] = [body.positions(), body.velocities()].map(<[Vector3]>::to_vec);
+        let middle = x.iter().sum::<Vector3>() / x.len() as f64;
+        let x: Vec<_> = x.iter().map(|x| middle + 0.8 * (x - middle)).collect();
+        world.set_nodes(3, &x, &v).unwrap();
+    });
+}
+
+#[test]
+fn what_one_rank_cannot_do_with_deformable_bodies_is_refused() {
+    let mut world = heap(false);
+    let cell = PeriodicCell::new([Some(1.0); 3]).unwrap();
+    world.share_out(&mut Alone).unwrap();
+    let refused = [
+        world.solve_single_bodies(1e-3).map(|_| ()),
+        world.begin_friction(Partner::Wall(0), 1, Vector3::x(), 0.0),
+        world.set_cell(cell),
+    ];
+    for result in refused {
+        let error = result.unwrap_err().to_string();
+        assert!(error.contains("gather it first"), "{error}");
     }
 }

@@ -116,12 +116,15 @@ impl ContactBatch {
     /// they cannot be shared out. Nothing is taken then.
     pub fn take_bodies(&mut self) -> Result<(BodyRecords, Vec<PairRecord>), ContactError> {
         let allowed = "0 in a batch whose bodies are shared out";
+        let part = self.deformable.as_deref();
+        let unlisted = part.map_or(0, DeformablePart::unlisted);
         for (name, count) in [
             ("number of bonds", self.bonds().count()),
             (
                 "number of contacts whose friction begins",
                 usize::from(self.begins_friction()),
             ),
+            ("number of bodies whose pairs are not listed yet", unlisted),
         ] {
             check(name, count as f64, count == 0, allowed)?;
         }

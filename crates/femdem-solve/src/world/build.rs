@@ -6,7 +6,7 @@ use crate::body::{Body, BodySpec, Shape, ShapeId};
 use crate::checkpoint;
 use crate::error::SolveError;
 use crate::guide::Guide;
-use crate::halo::{Alone, Halo};
+use crate::halo::Halo;
 use crate::ledger::Flows;
 use crate::parameters::{TimeStepParameters, WorldParameters};
 use femdem_contact::{
@@ -112,7 +112,8 @@ impl World {
             control.launch(body);
         }
         self.step_control = control;
-        self.see_bodies_again()
+        self.step_control.lose();
+        Ok(())
     }
 
     /// Adds a convex shape and returns its index.
@@ -222,7 +223,7 @@ impl World {
         }
         self.loaded = false;
         if thinner {
-            self.see_bodies_again()?;
+            self.step_control.lose();
         }
         let id = match whose {
             Whose::Own => self.batch.add_body(shape)?,
@@ -322,25 +323,13 @@ impl World {
         }
     }
 
-    /// Tells the step control about all bodies again if one has gone or has another material.
+    /// Tells the step control about all bodies again if it has [lost](super::time_step::StepControl::lose) one. This is done by a
+    /// step alone, after forces and the bounds of elements are up to date, so that a world has the same cap alone and over ranks.
     pub(super) fn renew_cap(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
-        if self.step_control.begins_anew() {
-            self.tell_step_control(halo)?;
-        }
-        Ok(())
-    }
-
-    /// Tells the step control about all bodies again; over ranks in the next step, where they can be asked.
-    fn see_bodies_again(&mut self) -> Result<(), SolveError> {
-        if self.is_shared() {
-            self.step_control.lose();
+        let mut control = self.step_control;
+        if !control.begins_anew() {
             return Ok(());
         }
-        self.tell_step_control(&mut Alone)
-    }
-
-    fn tell_step_control(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
-        let mut control = self.step_control;
         let contact = |body: &Body| &self.batch.shapes()[body.shape as usize];
         for (_, body) in self.live_bodies() {
             control.meet(contact(body));

@@ -48,9 +48,11 @@ impl World {
     /// # Errors
     /// [`SolveError::Contact`] if there are bodies and space does not repeat itself along the same axes already, or if the cell
     /// measures less than 2.25 diameters of the largest body along one of its axes, or walls do not repeat themselves. Later steps
-    /// refuse that, too. [`SolveError::CannotBreak`] if a body may break.
+    /// refuse that, too. [`SolveError::CannotBreak`] if a body may break, [`SolveError::Ranks`] in a world that is
+    /// [shared out](Self::share_out).
     pub fn set_cell(&mut self, cell: PeriodicCell) -> Result<(), SolveError> {
         self.restored()?;
+        self.not_shared("a periodic cell")?;
         if self.body_count() == 0 {
             return Ok(self.batch.set_cell(cell)?);
         }

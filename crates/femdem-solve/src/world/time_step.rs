@@ -45,7 +45,7 @@ pub(crate) struct StepControl {
     launch: f64,
     /// Smallest length scale of the fields of all shapes in use, m.
     thinnest: f64,
-    /// Whether a body has gone that may have lowered the cap, or one's material has changed.
+    /// Whether the cap may be wrong: laws or a material have changed, a body has gone, or a thinner one has come.
     stale: bool,
 }
 
@@ -80,12 +80,12 @@ impl StepControl {
         *self = Self::default();
     }
 
-    /// Notes that a body has gone, or that one's material has changed.
+    /// Notes that all bodies must be met and seen again before the next step is chosen.
     pub(crate) fn lose(&mut self) {
         self.stale = true;
     }
 
-    /// Whether all bodies must be met and seen again because one has gone: the cap is forgotten then.
+    /// Whether all bodies must be met and seen again: the cap is forgotten then.
     pub(crate) fn begins_anew(&mut self) -> bool {
         if std::mem::take(&mut self.stale) {
             self.cap = f64::INFINITY;

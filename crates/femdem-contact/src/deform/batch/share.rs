@@ -40,6 +40,11 @@ impl DeformablePart {
         !self.starts.is_empty()
     }
 
+    /// How many bodies were entered anew since pairs were listed last.
+    pub fn unlisted(&self) -> usize {
+        self.entered.len()
+    }
+
     /// Refuses a body whose shape is not there.
     pub fn check_shape(&self, body: &SoftBody) -> Result<(), ContactError> {
         let count = self.shapes.len();
@@ -96,6 +101,8 @@ impl SoftPair {
         for contact in &mut self.outcome.contacts {
             (contact.a, contact.b) = (a, b);
         }
+        // It names a body by its old number.
+        self.failure = None;
         Some(self)
     }
 }

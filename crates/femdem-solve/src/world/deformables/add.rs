@@ -144,7 +144,7 @@ impl World {
     /// (N m), such as those of the rigid bodies that it replaces: see [`ContactBatch::begin_friction`](femdem_contact::ContactBatch::begin_friction).
     ///
     /// # Errors
-    /// [`SolveError::NotRestored`] and those of
+    /// [`SolveError::NotRestored`], [`SolveError::Ranks`] in a world that is [shared out](Self::share_out), and those of
     /// [`ContactBatch::begin_friction`](femdem_contact::ContactBatch::begin_friction).
     pub fn begin_friction(
         &mut self,
@@ -154,6 +154,7 @@ impl World {
         torsion: f64,
     ) -> Result<(), SolveError> {
         self.restored()?;
+        self.not_shared("beginning friction")?;
         Ok(self.batch.begin_friction(a, b, force, torsion)?)
     }
 }

@@ -83,6 +83,8 @@ impl World {
         };
         let Deformables { models, bodies, .. } = &mut *deformables;
         let batch = &self.batch;
+        let share = self.share.as_deref();
+        let named = |i: usize| share.map_or(i, |share| share.named(i));
         let changes = on_each_with(bodies, Scratch::default, |scratch, i, body| {
             if batch.is_guest(i as u32) {
                 return Ok(Change::None);
@@ -98,8 +100,7 @@ impl World {
             judge.judge(body, scratch)
         });
         for (i, change) in changes.into_iter().enumerate() {
-            let named = self.share.as_deref().map_or(i, |share| share.named(i));
-            match change.map_err(|error| error.in_body(named, steps, time))? {
+            match change.map_err(|error| error.in_body(named(i), steps, time))? {
                 Change::None => {}
                 Change::Stopped(energy) => self.flows.frozen += energy,
                 Change::Asleep(energy) => {

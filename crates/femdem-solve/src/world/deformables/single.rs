@@ -28,8 +28,8 @@ impl World {
     /// [`Ledger::frozen`](crate::Ledger::frozen).
     ///
     /// # Errors
-    /// [`SolveError::Parameter`] unless the tolerance is positive and finite, and those of [`World::step`] for the
-    /// contacts.
+    /// [`SolveError::Parameter`] unless the tolerance is positive and finite, [`SolveError::Ranks`] in a world that is
+    /// [shared out](Self::share_out), and those of [`World::step`] for the contacts.
     pub fn solve_single_bodies(&mut self, tolerance: f64) -> Result<u32, SolveError> {
         check(
             "tolerance",
@@ -37,6 +37,7 @@ impl World {
             tolerance > 0.0,
             "positive and finite",
         )?;
+        self.not_shared("solving single bodies")?;
         self.evaluate_if_due()?;
         let (gravity, time) = (self.parameters.gravity, self.time);
         let ids: Vec<BodyId> = self.deformable_ids().collect();

@@ -6,6 +6,7 @@ use super::{Deformables, RENEW, Scratch, State};
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::world::World;
+use crate::world::ranks::Share;
 use crate::world::time_step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::NodalState;
@@ -40,7 +41,8 @@ impl World {
             return Ok(());
         };
         let Deformables { models, bodies, .. } = deformables;
-        let (batch, is_shared) = (&self.batch, self.share.is_some());
+        let share = self.share.as_deref();
+        let (batch, is_shared) = (&self.batch, share.is_some_and(Share::is_of_many));
         let kick = Kick::new(batch, &self.parameters, streaming, 0.5 * dt);
         let results = on_each_with(bodies, Scratch::default, |scratch, i, body| {
             if body.rest.asleep || batch.is_guest(i as BodyId) {
@@ -126,7 +128,8 @@ impl World {
         deformables.bound = None;
         let nodes: Vec<NodalState> = deformables.bodies.iter().map(State::nodes).collect();
         let (bodies, walls) = (&self.motions, &self.wall_motions);
-        self.batch.update_deformables(&nodes, bodies, walls, dt)?;
+        let updated = self.batch.update_deformables(&nodes, bodies, walls, dt);
+        updated.map_err(|error| error.with_bodies(|body| self.named(body)))?;
         self.map_cracks();
         Ok(())
     }

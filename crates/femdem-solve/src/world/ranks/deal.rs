@@ -5,7 +5,7 @@ use super::{Cuts, Link, Share, Until, WAY, Whole, ranks};
 use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
-use crate::halo::{Alone, Halo};
+use crate::halo::Halo;
 use crate::ledger::Flows;
 use crate::world::World;
 use crate::world::time_step::{LARGEST_MOVE, StepControl};
@@ -119,7 +119,6 @@ impl World {
             return Err(ranks("the ranks do not have all bodies of the whole"));
         }
         whole.put_all(*total, all)?;
-        whole.renew_cap(&mut Alone)?;
         Ok(Some(whole))
     }
 
@@ -289,7 +288,9 @@ impl World {
         let moving = self
             .awake
             .iter()
-            .map(|&i| self.bodies[i as usize].kinetic_energy());
+            .map(|&i| &self.bodies[i as usize])
+            .filter(|body| body.driven.is_none())
+            .map(Body::kinetic_energy);
         let soft = self.own_nodes();
         let soft = soft.map(|(_, nodes, model)| nodes.kinetic_energy(model.model.masses()));
         let moving = moving.sum::<f64>() + soft.sum::<f64>();

@@ -16,7 +16,7 @@ use super::World;
 use super::time_step::LARGEST_MOVE;
 use crate::error::SolveError;
 use crate::guide::Guide;
-use crate::halo::{Alone, Halo};
+use crate::halo::Halo;
 use cuts::Cuts;
 use femdem_contact::BodyId;
 use femdem_fem::Boundary;
@@ -100,6 +100,11 @@ impl Share {
             || boundaries.iter().any(|b| b.is_driven(t, ahead))
     }
 
+    /// Whether several ranks share the whole.
+    pub(super) fn is_of_many(&self) -> bool {
+        self.cuts.ranks() > 1
+    }
+
     /// The number in the whole of a body that is here.
     pub(super) fn named(&self, id: usize) -> usize {
         self.numbers[id] as usize
@@ -151,8 +156,6 @@ impl World {
         self.restored()?;
         self.not_shared("sharing it out again")?;
         self.can_be_shared()?;
-        // The step is bounded by all bodies.
-        self.renew_cap(&mut Alone)?;
         self.agree(other, halo)?;
         self.deal_whole(halo)
     }
@@ -165,7 +168,9 @@ impl World {
     /// ranks.
     ///
     /// # Errors
-    /// As [`step`](Self::step), and what `halo` reports.
+    /// As [`step`](Self::step), and what `halo` reports. Over several ranks also [`SolveError::Ranks`] for a driven body that moves
+    /// by more than a quarter of the largest radius of all bodies in a step, and [`SolveError::BodyFailed`] for driven nodes that
+    /// move by more than a quarter of the depth of their body.
     pub fn step_on(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         self.fits(halo)?;
         self.advance(&mut |_, _| None, halo)
@@ -279,14 +284,15 @@ impl World {
         Ok(-least[0])
     }
 
-    /// Refuses a driven body that moves so far in a step that it may meet bodies that its rank does not know.
+    /// Refuses a driven body that moves so far in a step, m, that it may meet bodies that its rank does not know.
     pub(super) fn check_way(&self, body: usize, moved: f64) -> Result<(), SolveError> {
-        if self.share.is_none() || moved <= LARGEST_MOVE * self.bodies[body].radius {
+        let share = self.share.as_deref().filter(|share| share.is_of_many());
+        if share.is_none_or(|share| moved <= LARGEST_MOVE * share.whole.largest) {
             return Ok(());
         }
         Err(SolveError::Ranks {
             why: format!(
-                "driven body {} moves by more than {LARGEST_MOVE} of its radius in a step: lower time_step.largest, or run it on one rank",
+                "driven body {} moves by more than {LARGEST_MOVE} of the largest radius of all bodies in a step: lower time_step.largest, or run it on one rank",
                 self.number_in_whole(body as BodyId).unwrap_or_default()
             ),
         })

@@ -1,6 +1,6 @@
 //! The bodies and pairs of a world as data that travel.
 
-use super::Share;
+use super::{Share, ranks};
 use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
@@ -131,7 +131,6 @@ impl World {
     pub(super) fn put_all(&mut self, total: u32, mut parts: Parts) -> Result<(), SolveError> {
         parts.members.sort_by_key(|member| member.number);
         self.newcomers = parts.newcomers;
-        self.share = None;
         let members = parts.members.into_iter();
         let members = members.map(|member| (member.number, (member, false)));
         self.put(total, members, parts.pairs)
@@ -144,6 +143,8 @@ impl World {
         members: impl Iterator<Item = (BodyId, (Member, bool))>,
         pairs: Vec<PairRecord>,
     ) -> Result<(), SolveError> {
+        // Numbers are those of the new share from now on.
+        self.share = None;
         self.bodies = vec![Body::vacant(); total as usize];
         self.motions = vec![Body::vacant().motion(); total as usize];
         if let Some(deformables) = &mut self.deformables {
@@ -156,12 +157,19 @@ impl World {
             }
             self.bodies[id as usize] = member.body;
             self.motions[id as usize] = member.motion;
-            if let Some((nodes, deformables)) = member.nodes.zip(self.deformables.as_mut()) {
+            if let Some(nodes) = member.nodes {
+                let Some(deformables) = self.deformables.as_mut() else {
+                    return Err(ranks(
+                        "nodes came of a deformable body where there are none",
+                    ));
+                };
                 deformables.give(id, *nodes);
             }
             records.push((id, member.record, is_guest));
         }
-        Ok(self.batch.give_bodies(total, records, pairs)?)
+        self.batch.give_bodies(total, records, pairs)?;
+        // What came from others is not trusted.
+        self.check_stored()
     }
 
     /// A checksum of all bits of the motion: of the bodies, the contacts and their friction, and what is remembered of them, in
@@ -211,7 +219,15 @@ impl Share {
             .into_iter()
             .flatten()
             .all(|last| *last < self.whole.total);
+        let is_length = |x: f64| x.is_finite() && x >= 0.0;
+        let mut until = self.until.iter();
+        let lasting = until.all(|until| until.travelled.is_finite() && is_length(until.radius));
+        let mut guides = self.whole.guides.iter();
+        let guided = guides.all(|guide| guide.drive().is_some() && guide.validate().is_ok());
         self.cuts.is_sound()
+            && is_length(self.whole.largest)
+            && lasting
+            && guided
             && counted
             && ascending
             && fits
@@ -228,8 +244,10 @@ mod tests {
     use super::super::cuts::tests::OneOf;
     use super::*;
     use crate::body::BodySpec;
+    use crate::guide::Guide;
     use crate::halo::Alone;
     use crate::parameters::WorldParameters;
+    use femdem_fem::Driven;
     use femdem_mesh::Pose;
     use femdem_mesh::catalogue::CatalogueShape;
 
@@ -250,7 +268,11 @@ mod tests {
             World::from_bytes(&world.to_bytes().unwrap())
         };
         assert!(read(|_| {}).is_ok());
-        let changes: [fn(&mut Share); 7] = [
+        let changes: [fn(&mut Share); 11] = [
+            |share| share.whole.largest = f64::NAN,
+            |share| share.until[1].travelled = f64::INFINITY,
+            |share| share.until[1].radius = -1.0,
+            |share| share.whole.guides = vec![Guide::host(Driven::default())],
             |share| share.whole.vacant = vec![share.whole.total],
             |share| share.whole.vacant = vec![1],
             |share| share.whole.total = u32::MAX,
