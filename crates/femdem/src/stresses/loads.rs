@@ -60,7 +60,7 @@ pub(super) fn of_bodies(snapshot: &Snapshot) -> Result<Vec<Loads<'_>>, Error> {
     let mut loads = vec![Loads::default(); snapshot.bodies.len()];
     for row in &snapshot.contacts {
         let on_partner = row.normal * row.normal_force + row.friction;
-        let mut add = |i: u32, sign: f64, side: Side<'_>| {
+        let mut add = |i: u32, sign: f64, side| {
             let body = &snapshot.bodies[i as usize];
             let shape = &snapshot.shapes[body.shape as usize].polyhedron;
             let centre = body.pose * shape.mass_properties().centroid;
