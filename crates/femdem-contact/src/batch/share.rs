@@ -112,8 +112,8 @@ impl ContactBatch {
     /// Takes all bodies out, with their pairs. Walls and shapes stay.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] if there are bonds, or contacts whose friction [begins](Self::begin_friction) in the next update:
-    /// they cannot be shared out. Nothing is taken then.
+    /// [`ContactError::Parameter`] if there are bonds, contacts whose friction [begins](Self::begin_friction) in the next update, or
+    /// rigid bodies whose pairs with deformable ones an update has not listed yet: they cannot be shared out. Nothing is taken then.
     pub fn take_bodies(&mut self) -> Result<(BodyRecords, Vec<PairRecord>), ContactError> {
         let allowed = "0 in a batch whose bodies are shared out";
         let part = self.deformable.as_deref();
