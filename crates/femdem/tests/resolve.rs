@@ -1,7 +1,5 @@
 //! Stresses inside the bodies of a rigid pack.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
-
 use crate::common::pack;
 use femdem::resolve::{ResolveOptions, resolve};
 use femdem::results;
