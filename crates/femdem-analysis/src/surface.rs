@@ -142,8 +142,7 @@ fn plane(columns: &[Column], alike: f64) -> Option<Plane> {
     let slope = Vector2::new(fit.y, fit.z);
     let direction = slope.y.atan2(slope.x);
     // The variance of the slope along its direction u is s² uᵀ (XᵀX)⁻¹ u with s² = Σ (h - fit)²/(n/m - 3) of n lines, m of them
-    // alike, and that of the angle
-    // arctan |slope| smaller by (1 + slope²)².
+    // alike, and that of the angle arctan |slope| smaller by (1 + slope²)².
     let squares = middle
         .clone()
         .map(|c| (c.height - row(c).dot(&fit)).powi(2));

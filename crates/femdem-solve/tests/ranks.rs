@@ -86,7 +86,7 @@ fn bytes_for(world: &World, guest: u32) -> usize {
 }
 
 /// What the ranks have made of it: the whole, how many bodies changed their rank, and bytes over those for guests that move.
-pub fn on_ranks(world: &World, size: usize, steps: u32) -> (World, usize, f64) {
+fn on_ranks(world: &World, size: usize, steps: u32) -> (World, usize, f64) {
     let parts = Threads::each(size, |halo| {
         let mut world = world.clone();
         world.share_out(halo).unwrap();
@@ -116,6 +116,22 @@ pub fn on_ranks(world: &World, size: usize, steps: u32) -> (World, usize, f64) {
     (whole.unwrap(), moved, traffic)
 }
 
+/// The whole that so many ranks make of a world has the motion and the books of one `alone` after the same steps; bodies have changed
+/// their rank on the way, and messages hold hardly more than the guests that move.
+pub fn as_alone(alone: &World, world: &World, size: usize, steps: u32) -> World {
+    let (whole, moved, traffic) = on_ranks(world, size, steps);
+    let [found, expected] = [&whole, alone].map(|world| world.checksum_of_motion().unwrap());
+    assert_eq!(found, expected, "{size} ranks");
+    let books = [alone, &whole].map(World::ledger);
+    let ratio = books[0].dissipated() / books[1].dissipated();
+    assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
+    let missing = (books[0].error() - books[1].error()).abs();
+    assert!(missing < 1e-9 * books[0].exchanged, "{missing:e}");
+    assert!(size == 1 || moved > 0, "{moved}");
+    assert!(traffic <= 1.06, "{traffic}");
+    whole
+}
+
 #[test]
 fn any_number_of_ranks_gives_the_same_bits() {
     for sleeping in [false, true] {
@@ -128,25 +144,12 @@ fn any_number_of_ranks_gives_the_same_bits() {
             alone.step().unwrap();
             woke += usize::from(alone.awake_count() > before);
         }
-        let expected = alone.checksum_of_motion().unwrap();
         let awake = alone.awake_count();
         assert_eq!(awake < COUNT, sleeping, "{awake} are awake");
         assert_eq!(woke > 0, sleeping, "bodies woke in {woke} steps");
         let sizes: &[usize] = if sleeping { &[1, 2, 3, 4] } else { &[2, 4] };
         for &size in sizes {
-            let (whole, moved, traffic) = on_ranks(&world, size, steps);
-            assert_eq!(
-                whole.checksum_of_motion().unwrap(),
-                expected,
-                "{size} ranks"
-            );
-            let books = [&alone, &whole].map(World::ledger);
-            let ratio = books[0].dissipated() / books[1].dissipated();
-            assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
-            let missing = (books[0].error() - books[1].error()).abs();
-            assert!(missing < 1e-9 * books[0].exchanged, "{missing:e}");
-            assert!(size == 1 || moved > 0, "{moved}");
-            assert!(traffic <= 1.06, "{traffic}");
+            as_alone(&alone, &world, size, steps);
         }
     }
 }

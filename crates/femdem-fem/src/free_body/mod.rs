@@ -61,7 +61,7 @@ use crate::error::{FemError, check};
 use crate::material::Tangent;
 use crate::model::{DeformableModel, DeformableState};
 use crate::statics::{BodyProblem, Factor, LowerTriangle};
-use femdem_mesh::Vector3;
+use femdem_mesh::{Matrix3, Vector3};
 use inertia::Inertia;
 use place::Places;
 use std::sync::Arc;
@@ -231,12 +231,11 @@ impl FreeBody {
         };
         let (centre, shift) = (mean(nodes), mean(u));
         let mut moment = Vector3::zeros();
-        let mut inertia = femdem_mesh::Matrix3::zeros();
+        let mut inertia = Matrix3::zeros();
         for ((x, u), m) in nodes.iter().zip(&*u).zip(masses) {
             let r = x - centre;
             moment += r.cross(&(u - shift)) * *m;
-            inertia +=
-                (femdem_mesh::Matrix3::identity() * r.norm_squared() - r * r.transpose()) * *m;
+            inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * *m;
         }
         let turn = inertia::inverse(&inertia)? * moment;
         for (x, u) in nodes.iter().zip(u) {

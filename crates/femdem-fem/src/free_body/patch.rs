@@ -65,9 +65,9 @@ impl FreeBody {
     ///
     /// The disc carries equal forces, and forces in proportion to the distance from its middle that make up the moment: on
     /// points q of equal area, t = F/n + b x (q - c) with their mean c. Points of the disc beside the body are left out, each with
-    /// the one opposite, so that the middle stays; those above the skin act at the nearest point of the body. Each force goes to the nodes of its tetrahedron by
-    /// their shape functions. Where all points lie on a line, as beside an edge, the moment about that line is left out, and where
-    /// they lie in one place, as beyond a corner, all of it; the force is kept.
+    /// the one opposite, so that the middle stays; those above the skin act at the nearest point of the body. Each force goes to the
+    /// nodes of its tetrahedron by their shape functions. Where all points lie on a line, as beside an edge, the moment about that
+    /// line is left out, and where they lie in one place, as beyond a corner, all of it; the force is kept.
     ///
     /// # Errors
     ///

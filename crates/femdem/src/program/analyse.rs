@@ -11,6 +11,7 @@ use femdem::analysis::{
 use femdem::input::BODIES;
 use femdem::{Snapshot, output, results};
 
+use super::args::WorkArgs;
 use super::job::report;
 use super::running::{Outcome, in_pool};
 use super::say;
@@ -81,13 +82,8 @@ pub(crate) struct AnalyseArgs {
     #[command(flatten)]
     pub foreign: ForeignArgs,
 
-    /// Threads, 1 or more [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-
-    /// No summary on the terminal; errors are still shown
-    #[arg(long, short)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArgs,
 }
 
 /// Axes of bodies, as given on the command line.
@@ -124,7 +120,7 @@ fn directions(text: &str) -> Option<Vec<[f64; 3]>> {
 }
 
 pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
-    in_pool(args.threads.map(usize::from), |_| {
+    in_pool(args.work.threads.map(usize::from), |_| {
         let found = source::read(&args.folder, &args.foreign, &args.frame)?;
         found.refuse_moved_cell()?;
         // Options that cannot be met are refused before any file is written.
@@ -133,9 +129,9 @@ pub(crate) fn run(args: &AnalyseArgs) -> Result<Outcome> {
         let series = series.transpose()?;
         if let Origin::Pack(saved) = &found.origin {
             let summary = results::write(&args.folder, &saved.packing, &saved.usage)?;
-            report(&summary, &saved.packing, &args.folder, args.quiet)?;
+            report(&summary, &saved.packing, &args.folder, args.work.quiet)?;
         }
-        if let Some(lead) = found.lead().filter(|_| !args.quiet) {
+        if let Some(lead) = found.lead().filter(|_| !args.work.quiet) {
             say(&lead);
         }
         write(args, &tables, series.as_ref(), &found)
@@ -211,7 +207,7 @@ fn write(
         let path = out.join(FOLDER).join(MixingSeries::FILE);
         output::write_file(path, |w| series.write_csv(w))?;
     }
-    if !args.quiet {
+    if !args.work.quiet {
         let (all, lists) = (out.join(JSON), out.join(FOLDER));
         let places = format!("{} and {}", all.display(), lists.display());
         say(&format!("{tables}  {:<20} {places}", "tables in"));

@@ -345,6 +345,18 @@ fn set<T: Clone>(to: &mut T, from: &Option<T>) {
     }
 }
 
+/// Options of all that measures or computes once.
+#[derive(Debug, Args)]
+pub(crate) struct WorkArgs {
+    /// Threads, 1 or more [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+
+    /// No summary on the terminal; errors are still shown
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
 /// How to run.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct RunArgs {

@@ -9,6 +9,7 @@ use femdem::pack::Packing;
 use femdem::resolve::{ResolveOptions, resolve};
 use femdem::results;
 
+use super::args::WorkArgs;
 use super::running::{Outcome, in_pool};
 use super::{complain, folder, say};
 
@@ -57,13 +58,8 @@ pub(crate) struct ResolveArgs {
     #[arg(long)]
     pub force: bool,
 
-    /// Threads, 1 or more [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-
-    /// No summary on the terminal; errors are still shown
-    #[arg(long, short)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArgs,
 }
 
 impl ResolveArgs {
@@ -103,7 +99,7 @@ pub(super) fn check_rest(packing: &Packing, folder: &Path) -> Result<()> {
 }
 
 pub(crate) fn run(args: &ResolveArgs) -> Result<Outcome> {
-    in_pool(args.threads.map(usize::from), |_| {
+    in_pool(args.work.threads.map(usize::from), |_| {
         let saved = folder::load(&args.folder)?;
         check_rest(&saved.packing, &args.folder)?;
         let out = match &args.out {
@@ -115,7 +111,7 @@ pub(crate) fn run(args: &ResolveArgs) -> Result<Outcome> {
         let resolved = resolve(saved.packing.world(), &options)?;
         let outline = results::snapshot(&saved.packing).outline();
         let summary = resolved.write(&out, &options, outline.as_ref())?;
-        if !args.quiet {
+        if !args.work.quiet {
             let shown = out.display();
             say(&format!("{summary}  {:<20} {shown}", "results in"));
         }

@@ -9,7 +9,7 @@ use femdem::run::{Run, Stage};
 
 use super::args::{ResumeArgs, RunArgs};
 use super::run::{SCENE, SceneArgs, resume as resume_run, run as run_whole, run_scenario};
-use super::running::Outcome;
+use super::running::{Outcome, in_pool};
 use super::{folder, say};
 
 /// Runs a scene: all its stages, if it has any.
@@ -24,7 +24,8 @@ pub(crate) fn run(args: &SceneArgs) -> Result<Outcome> {
 
 /// Runs the stages of a scene, and keeps the scene in the folder that holds theirs.
 fn run_stages(args: &SceneArgs, stages: &[Stage]) -> Result<Outcome> {
-    refuse_others(stages)?;
+    let threads = args.run.threads.map(usize::from);
+    in_pool(threads, |_| refuse_others(stages))?;
     if !args.check {
         let out = folder_of(stages);
         let text = fs::read(&args.scene)
@@ -150,10 +151,13 @@ pub(super) fn refuse_folder_of_stages(folder: &Path) -> Result<()> {
     if stages.is_empty() {
         return Ok(());
     }
+    let advice = match there.is_empty() {
+        true => "none of them has begun".to_owned(),
+        false => format!("give one of {}", there.join(", ")),
+    };
     anyhow::bail!(
-        "{} holds the stages of a scene, each in a folder of its own: give one of {}",
-        folder.display(),
-        there.join(", ")
+        "{} holds the stages of a scene, each in a folder of its own: {advice}",
+        folder.display()
     );
 }
 

@@ -11,6 +11,7 @@ use femdem::run::{Behaviour, Run};
 use femdem::solve::World;
 use femdem::stresses::{StressOptions, Stresses, stresses};
 
+use super::args::WorkArgs;
 use super::resolve::check_rest;
 use super::running::{Outcome, in_pool};
 use super::source::{self, ForeignArgs, Found, FrameArgs, Origin};
@@ -67,13 +68,8 @@ pub(crate) struct StressesArgs {
     #[arg(long)]
     pub force: bool,
 
-    /// Threads, 1 or more [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-
-    /// No summary on the terminal; errors are still shown
-    #[arg(long, short)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArgs,
 }
 
 impl StressesArgs {
@@ -174,7 +170,7 @@ fn warn(solved: &Stresses, unknown: usize) {
 }
 
 pub(crate) fn run(args: &StressesArgs) -> Result<Outcome> {
-    in_pool(args.threads.map(usize::from), |_| {
+    in_pool(args.work.threads.map(usize::from), |_| {
         let found = source::read(&args.folder, &args.foreign, &args.frame)?;
         found.refuse_moved_cell()?;
         if let Origin::Pack(saved) = &found.origin {
@@ -195,7 +191,7 @@ pub(crate) fn run(args: &StressesArgs) -> Result<Outcome> {
         let summary = solved.summary(&options, start.elapsed().as_secs_f64());
         solved.write(&out, &found.snapshot, &options, &summary)?;
         warn(&solved, summary.net_force_unknown);
-        if !args.quiet {
+        if !args.work.quiet {
             let shown = out.display();
             say(&format!("{summary}  {:<20} {shown}", "results in"));
             if !solved.has_fields() {

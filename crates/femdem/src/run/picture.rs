@@ -148,9 +148,7 @@ impl Simulation {
         });
         skins.collect()
     }
-}
 
-impl Simulation {
     /// Places around the space for bodies that does not depend on where they are: those where they began, and corners of the
     /// boxes in which they come \[m\].
     pub(super) fn beginnings(&self) -> impl Iterator<Item = Vector3> {
@@ -160,8 +158,8 @@ impl Simulation {
 }
 
 impl Scenario {
-    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies or, without any, around where they began; all walls of
-    /// revolution, and the sharp edges of walls from files.
+    /// The periodic cell, or the first plane that carries bodies, or the first box, around the drawn bodies or, without any, around
+    /// where they began; all walls of revolution, and the sharp edges of walls from files.
     fn drawing(&self, skins: &[Skin], simulation: &Simulation) -> Option<Drawing> {
         let world = &simulation.world;
         if let Some([min, max]) = simulation

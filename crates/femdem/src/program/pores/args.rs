@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use femdem::scene::Length;
 
+use crate::program::args::WorkArgs;
 use crate::program::source::{ForeignArgs, FrameArgs, Inside};
 
 pub(crate) const HELP: &str = "\
@@ -94,13 +95,8 @@ pub(crate) struct PoresArgs {
     #[command(flatten)]
     pub foreign: ForeignArgs,
 
-    /// Threads, 1 or more [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-
-    /// No summary on the terminal; errors are still shown
-    #[arg(long, short)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArgs,
 }
 
 impl PoresArgs {

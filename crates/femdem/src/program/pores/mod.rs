@@ -25,7 +25,7 @@ const FOLDER: &str = "pores";
 const JSON: &str = "pores.json";
 
 pub(crate) fn run(args: &PoresArgs) -> Result<Outcome> {
-    in_pool(args.threads.map(usize::from), |_| {
+    in_pool(args.work.threads.map(usize::from), |_| {
         let read = space::read(args)?;
         let near = read.images(args, read.diameter)?;
         let space = Space::new(args, &read, &near.pack(&read.shapes)?)?;
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &PoresArgs) -> Result<Outcome> {
         let out = args.out.clone();
         let out = out.unwrap_or_else(|| read.folder.join(FOLDER));
         let tell = |text: &dyn std::fmt::Display| {
-            if !args.quiet {
+            if !args.work.quiet {
                 say(&text.to_string());
             }
         };
