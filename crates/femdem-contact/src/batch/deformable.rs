@@ -322,7 +322,7 @@ impl ContactBatch {
     }
 
     /// The deformable part, made beside all rigid bodies and walls if it does not exist.
-    fn deformable_mut(&mut self) -> &mut DeformablePart {
+    pub(super) fn deformable_mut(&mut self) -> &mut DeformablePart {
         let (awake, walls) = (&self.awake, self.walls.len());
         if self.deformable.is_none() {
             self.all_loads = [self.sums.loads.clone(), self.sums.walls.clone()];
@@ -333,7 +333,10 @@ impl ContactBatch {
         part.as_mut()
     }
 
-    fn known_deformable(&mut self, body: BodyId) -> Result<&mut DeformablePart, ContactError> {
+    pub(super) fn known_deformable(
+        &mut self,
+        body: BodyId,
+    ) -> Result<&mut DeformablePart, ContactError> {
         let count = self.deformable_count();
         let part = self.deformable.as_deref_mut();
         part.filter(|part| part.contains(body))

@@ -85,6 +85,18 @@ impl PatchRecord {
         self.key = [u32::MAX; 2];
     }
 
+    /// Gives its springs a friction force on B (N) and a moment on B about the normal (N m). `ratio` is the tangential over the
+    /// normal stiffness.
+    pub fn carry(&mut self, [a, b]: [&Motion; 2], force: Vector3, torsion: f64, ratio: f64) {
+        let foundation = &self.contact.foundation;
+        let stiffness = [ratio * foundation.stiffness, ratio * foundation.polar()];
+        let normal = self.contact.normal;
+        let across = force - normal * normal.dot(&force);
+        let places = [self.contact.arm_a, self.contact.arm_b];
+        let friction = FrictionState::carrying(places, [a, b], &across, torsion, stiffness);
+        self.history = friction.into();
+    }
+
     /// Distance (m) between a patch and the present place of this one, carried along by both bodies, if
     /// within reach.
     fn distance(&self, overlap: &Overlap, [a, b]: [&Motion; 2]) -> Option<f64> {

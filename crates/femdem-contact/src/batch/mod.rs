@@ -9,6 +9,7 @@ mod evaluate;
 mod gather;
 mod history;
 mod implicit;
+mod kind;
 mod layout;
 mod materials;
 mod pairs;

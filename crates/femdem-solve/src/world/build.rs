@@ -42,6 +42,7 @@ impl World {
             initial_energy: 0.0,
             flows: Flows::default(),
             deformables: None,
+            adaptives: None,
             share: None,
             counters: Counters::default(),
         })

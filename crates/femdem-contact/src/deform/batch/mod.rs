@@ -106,6 +106,11 @@ impl DeformablePart {
         self.shapes.len() as u32 - 1
     }
 
+    /// Replaces a shape of no body.
+    pub fn replace_shape(&mut self, index: u32, shape: Arc<DeformableShape>) {
+        self.shapes[index as usize] = shape;
+    }
+
     /// Adds a deformable body under a number that is free in the batch.
     pub fn add_body(&mut self, id: BodyId, shape: u32, modulus: Modulus) {
         self.reach(id);

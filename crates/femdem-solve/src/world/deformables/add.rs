@@ -160,7 +160,11 @@ impl World {
 }
 
 impl State {
-    fn new(spec: &DeformableSpec, model: &DeformableModel, time: f64) -> Result<Self, SolveError> {
+    pub(super) fn new(
+        spec: &DeformableSpec,
+        model: &DeformableModel,
+        time: f64,
+    ) -> Result<Self, SolveError> {
         check_velocities(&spec.velocity, &spec.angular_velocity)?;
         let pose = checked_pose(&spec.pose)?;
         let place = |x: &Vector3| pose.rotation * x + pose.translation.vector;

@@ -167,7 +167,7 @@ impl State {
     }
 
     /// Takes over nodal values.
-    fn put(
+    pub(super) fn put(
         &mut self,
         model: &Model,
         positions: &[Vector3],

@@ -1,0 +1,263 @@
+//! Which adaptive bodies change, and when.
+//!
+//! Stress is linear in the forces, and the ratio of stress to strength is convex and grows in proportion: if r uses the forces F now and c is
+//! the most that a unit force uses, forces F' use at most r + c Σ |F' − F|. Only where this exceeds the limit is there another static
+//! solve.
+
+use super::super::Deformables;
+use super::basis::{Basis, nodal_means, worst};
+use super::spin::Kept;
+use super::{AdaptiveBody, Adaptives};
+use crate::error::SolveError;
+use crate::world::World;
+use femdem_contact::{BodyId, Contact, Partner};
+use femdem_fem::free_body::{PatchLoad, Solved};
+use femdem_mesh::{Pose, Vector3};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A body is deformable from this part of its strength on.
+const NEAR: f64 = 0.7;
+
+/// A body that uses less than this part of its strength may become rigid.
+const FAR: f64 = 0.3;
+
+/// A body is at rest within itself if its kinetic energy, but for that of its motion as a whole, is at most this part of V f²/(2 E), with its
+/// volume V, tensile strength f and Young's modulus E: of what it stores near its strength.
+const QUIET: f64 = 1e-6;
+
+/// Looks in a row at which a body has to be at rest within itself and far from its strength.
+const WINDOW: u32 = 20;
+
+/// The force of a partner is another one if its point has moved by more than this part of the inscribed diameter.
+const MOVED: f64 = 0.05;
+
+/// The last static solve of a rigid body.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Screen {
+    /// The part of its strength that its stresses used.
+    ratio: f64,
+    /// The forces of its partners then.
+    forces: Vec<Pressed>,
+}
+
+/// The force of a partner, in the coordinates of the body.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Pressed {
+    by: Partner,
+    /// N.
+    force: Vector3,
+    /// Mean point of its contacts, m.
+    point: Vector3,
+}
+
+impl Screen {
+    /// Sum of the changes of the forces, N.
+    fn change(&self, now: &[Pressed], reach: f64) -> f64 {
+        let same = |a: &Pressed, b: &Pressed| a.by == b.by;
+        let came = now.iter().map(|new| {
+            let old = self.forces.iter().find(|old| same(old, new));
+            match old {
+                Some(old) if (old.point - new.point).norm() <= MOVED * reach => {
+                    (new.force - old.force).norm()
+                }
+                Some(old) => new.force.norm() + old.force.norm(),
+                None => new.force.norm(),
+            }
+        });
+        let is_gone = |old: &&Pressed| !now.iter().any(|new| same(new, old));
+        let went = self.forces.iter().filter(is_gone);
+        came.sum::<f64>() + went.map(|old| old.force.norm()).sum::<f64>()
+    }
+}
+
+/// The contacts of a body in its coordinates.
+#[derive(Default)]
+pub(super) struct Loads {
+    pub patches: Vec<PatchLoad>,
+    forces: Vec<Pressed>,
+}
+
+impl Loads {
+    /// `pose` maps the coordinates of the body to the world; the contacts are those of body `id`.
+    fn new<'a>(id: BodyId, pose: &Pose, contacts: impl Iterator<Item = &'a Contact>) -> Self {
+        let mut loads = Self::default();
+        for contact in contacts {
+            let (sign, by) = match contact.a {
+                a if contact.b == id => (1.0, a),
+                _ => (-1.0, Partner::Body(contact.b)),
+            };
+            let patch = PatchLoad {
+                point: contact.point.into(),
+                normal: contact.normal * sign,
+                area: contact.area,
+                force: contact.force_on_b() * sign,
+                moment: (contact.rocking + contact.rolling) * sign,
+            };
+            let patch = patch.seen_from(pose);
+            let (force, weight) = (patch.force, patch.force.norm());
+            let point = patch.point.coords;
+            match loads.forces.last_mut().filter(|last| last.by == by) {
+                Some(last) => {
+                    let sum = last.force.norm() + weight;
+                    if sum > 0.0 {
+                        last.point += (point - last.point) * (weight / sum);
+                    }
+                    last.force += force;
+                }
+                None => loads.forces.push(Pressed { by, force, point }),
+            }
+            loads.patches.push(patch);
+        }
+        loads
+    }
+}
+
+/// What becomes of a body.
+pub(super) enum Verdict {
+    Soften(Solved),
+    Harden,
+}
+
+/// A body that changes, with its largest stress over its strength.
+struct Change {
+    id: BodyId,
+    ratio: f64,
+    verdict: Verdict,
+}
+
+impl World {
+    /// Looks at the adaptive bodies, and makes those deformable or rigid that it is time for. Called after each step.
+    pub(in crate::world) fn adapt_bodies(&mut self) -> Result<(), SolveError> {
+        let Some(mut adaptives) = self.adaptives.take() else {
+            return Ok(());
+        };
+        let found = self.look_at(&mut adaptives);
+        self.adaptives = Some(adaptives);
+        for Change { id, ratio, verdict } in found? {
+            let (time, steps) = (self.time, self.steps);
+            let changed = match verdict {
+                Verdict::Soften(solved) => self.soften(id, ratio, &solved),
+                Verdict::Harden => self.harden(id, ratio),
+            };
+            changed.map_err(|error| error.in_body(id as usize, steps, time))?;
+        }
+        Ok(())
+    }
+
+    fn look_at(&mut self, adaptives: &mut Adaptives) -> Result<Vec<Change>, SolveError> {
+        let Adaptives { bodies, bases, .. } = adaptives;
+        let steps = self.steps;
+        let is_due = |body: &AdaptiveBody| {
+            let every = u64::from(body.adaptive.fracture.every);
+            steps.is_multiple_of(every)
+        };
+        if !bodies.values().any(is_due) {
+            return Ok(Vec::new());
+        }
+        let contacts = self.batch.contacts();
+        let mut of_bodies: BTreeMap<BodyId, Vec<&Contact>> = BTreeMap::new();
+        for contact in &contacts {
+            of_bodies.entry(contact.b).or_default().push(contact);
+            if let Partner::Body(a) = contact.a
+                && a != contact.b
+            {
+                of_bodies.entry(a).or_default().push(contact);
+            }
+        }
+        let mut changes = Vec::new();
+        for (&id, body) in bodies.iter_mut().filter(|(_, body)| is_due(body)) {
+            if self.batch.is_deformable(id) {
+                if let Some(ratio) = self.is_quiet(id, body)? {
+                    let verdict = Verdict::Harden;
+                    changes.push(Change { id, ratio, verdict });
+                }
+                continue;
+            }
+            let Some(own) = of_bodies.get(&id).filter(|_| self.batch.is_awake(id)) else {
+                continue;
+            };
+            let basis = match bases.entry(body.adaptive.model) {
+                std::collections::btree_map::Entry::Occupied(known) => known.into_mut(),
+                std::collections::btree_map::Entry::Vacant(place) => {
+                    place.insert(self.basis(body)?)
+                }
+            };
+            let rigid = &self.bodies[id as usize];
+            let pose = rigid.pose(&self.shapes[rigid.shape as usize]);
+            let loads = Loads::new(id, &pose, own.iter().copied());
+            if let Some((ratio, solved)) = body.screen(basis, loads)? {
+                let verdict = Verdict::Soften(solved);
+                changes.push(Change { id, ratio, verdict });
+            }
+        }
+        Ok(changes)
+    }
+
+    fn basis(&self, body: &AdaptiveBody) -> Result<Basis, SolveError> {
+        let models = self.deformables.as_deref().map_or(&[][..], |d| &d.models);
+        let number = body.adaptive.model as usize;
+        let missing = || SolveError::NoSuch {
+            what: "model",
+            index: number,
+            count: models.len(),
+        };
+        let model = models.get(number).ok_or_else(missing)?;
+        Basis::new(model, &body.adaptive.fracture.strength)
+    }
+
+    /// Whether a deformable body is to become rigid, with its largest stress over its strength then.
+    fn is_quiet(
+        &self,
+        id: BodyId,
+        body: &mut AdaptiveBody,
+    ) -> Result<Option<f64>, SolveError> {
+        let Some(Deformables { models, bodies, .. }) = self.deformables.as_deref() else {
+            return Ok(None);
+        };
+        let state = &bodies[id as usize];
+        let model = &models[state.model as usize];
+        let masses = model.model.masses();
+        let strength = &body.adaptive.fracture.strength;
+        let kept = Kept {
+            mass: masses.iter().sum(),
+            momentum: state.momentum(masses),
+            angular_momentum: state.angular_momentum(masses, &Vector3::zeros()),
+        };
+        let within = kept.rigid_energy(&state.positions, masses);
+        let within = within.map(|rigid| state.kinetic_energy(masses) - rigid);
+        let volume: f64 = model.model.volumes().iter().sum();
+        let scale = volume * strength.tensile().powi(2) / (2.0 * model.young);
+        if state.cracks().is_some() || within.is_none_or(|energy| energy > QUIET * scale) {
+            body.quiet = 0;
+            return Ok(None);
+        }
+        let stresses = model.model.stresses(&state.positions, &state.history)?;
+        let ratio = worst(strength, &nodal_means(&model.model, &stresses), &body.factors);
+        body.quiet = if ratio < FAR { body.quiet + 1 } else { 0 };
+        Ok((body.quiet >= WINDOW).then_some(ratio))
+    }
+}
+
+impl AdaptiveBody {
+    /// The stresses of a rigid body if they are near its strength, with their largest ratio to it.
+    fn screen(
+        &mut self,
+        basis: &Basis,
+        loads: Loads,
+    ) -> Result<Option<(f64, Solved)>, SolveError> {
+        let weakest = self.factors.iter().copied().fold(f64::INFINITY, f64::min);
+        let change = self.screen.change(&loads.forces, basis.reach());
+        if self.screen.ratio + basis.unit / weakest * change < NEAR {
+            return Ok(None);
+        }
+        let solved = basis.solve(&loads.patches)?;
+        let strength = &self.adaptive.fracture.strength;
+        let ratio = worst(strength, solved.corners(), &self.factors);
+        self.screen = Screen {
+            ratio,
+            forces: loads.forces,
+        };
+        Ok((ratio >= NEAR).then_some((ratio, solved)))
+    }
+}

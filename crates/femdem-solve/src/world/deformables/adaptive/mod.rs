@@ -1,0 +1,179 @@
+//! Bodies that are rigid as long as their stresses are far below their strength, and deformable near it.
+//!
+//! A rigid body is looked at every few steps. By the [basis] of its model, which says how much of the strength a unit force uses at most, the
+//! change of its contact forces since the last static solve bounds what they use now; only where that bound is near the strength are its
+//! stresses [found again](looks). If they are near it too, the body [becomes deformable](soften): in the place in which it is, and such that its
+//! contacts have the forces that they had and its elements balance them. A deformable body that has not cracked, is [at rest](looks) within
+//! itself and far from its strength [becomes rigid](harden) as it is. Both keep mass, momentum and angular momentum; the
+//! energy that comes or goes has its own entry in the ledger.
+
+mod basis;
+mod friction;
+mod harden;
+mod looks;
+mod query;
+mod soften;
+mod spin;
+
+use super::ModelId;
+use super::fracture::Breakable;
+use crate::error::SolveError;
+use crate::fracture::Fracture;
+use crate::world::World;
+use basis::Basis;
+use femdem_contact::{BodyId, ContactParameters, Field, WallResponse};
+use femdem_fem::DeformableModel;
+use looks::Screen;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+pub use query::{Fidelity, FidelityChange};
+
+/// What a rigid body becomes near its strength, and when.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Adaptive {
+    /// Its model: of the tetrahedra of its shape in the same coordinates, T4, of one elastic material, as heavy as the body.
+    pub model: ModelId,
+    /// How it breaks.
+    pub fracture: Fracture,
+}
+
+/// All adaptive bodies of a world.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Adaptives {
+    bodies: BTreeMap<BodyId, AdaptiveBody>,
+    /// Changes that the host has not taken yet.
+    changes: Vec<FidelityChange>,
+    /// By model; made when they are needed first.
+    #[serde(skip)]
+    bases: BTreeMap<ModelId, Basis>,
+}
+
+/// What is known of an adaptive body.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct AdaptiveBody {
+    adaptive: Adaptive,
+    /// By node, the factor of the strength there.
+    factors: Vec<f64>,
+    /// The model and the shape that it alone has, once it has been deformable and rigid again.
+    own_model: Option<ModelId>,
+    own_shape: Option<u32>,
+    /// While it is rigid: its last static solve.
+    screen: Screen,
+    /// While it is deformable: looks in a row at which it was at rest within itself.
+    quiet: u32,
+}
+
+impl World {
+    /// Lets a rigid body [become deformable](Fidelity) near its strength and then break, and rigid again when its stresses are
+    /// small and it has not cracked. Its shape has to be of a mesh with [`Field::Body`], its model of the same mesh with
+    /// [`ContactStiffness::Law`](crate::ContactStiffness::Law), so that its contacts are the same in both states.
+    ///
+    /// It is deformable from 0.7 of its strength on. What it is and when are functions of the state alone.
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown rigid body or model, [`SolveError::CannotAdapt`] for one that cannot change and in a world in which
+    /// none can, [`SolveError::CannotBreak`] and [`SolveError::TooCoarse`] as from [`World::add_deformable`].
+    pub fn set_adaptive(&mut self, id: BodyId, adaptive: Adaptive) -> Result<(), SolveError> {
+        self.restored()?;
+        self.not_shared("making bodies adaptive")?;
+        let i = self.known_body(id)?;
+        let models = self.deformables.as_deref().map_or(&[][..], |d| &d.models);
+        let Some(model) = models.get(adaptive.model as usize) else {
+            return Err(SolveError::NoSuch {
+                what: "model",
+                index: adaptive.model as usize,
+                count: models.len(),
+            });
+        };
+        self.refuse_to_adapt(id, &model.model)?;
+        model.may_crack(&adaptive.fracture)?;
+        let factors = Breakable::factors(model.model.mesh(), &adaptive.fracture, id);
+        let body = AdaptiveBody {
+            adaptive,
+            factors,
+            own_model: None,
+            own_shape: None,
+            screen: Screen::default(),
+            quiet: 0,
+        };
+        self.bodies[i].quiet_steps = 0;
+        let adaptives = self.adaptives.get_or_insert_default();
+        adaptives.bodies.insert(id, body);
+        Ok(())
+    }
+
+    /// Refuses what cannot change between rigid and deformable.
+    fn refuse_to_adapt(&self, id: BodyId, model: &DeformableModel) -> Result<(), SolveError> {
+        let body = &self.bodies[id as usize];
+        let shape = &self.shapes[body.shape as usize];
+        let own = shape.mesh.as_ref();
+        let is_meshed =
+            own.is_some_and(|(mesh, field)| *field == Field::Body && mesh == model.mesh());
+        let mass: f64 = model.masses().iter().sum();
+        let material = self.batch.material(id).unwrap_or_default();
+        let laws = || self.batch.laws().of(material);
+        let mirrors = |law: &ContactParameters| law.wall_response != WallResponse::Rigid;
+        for (is_so, needs, found) in [
+            (
+                !is_meshed,
+                "a shape of the tetrahedra of its model, with the field of a body",
+                "another shape",
+            ),
+            (
+                (mass / body.mass - 1.0).abs() > SAME_MASS,
+                "the mass of its model",
+                "another mass",
+            ),
+            (
+                model.regions().len() != 1 || model.history_len() > 0,
+                "one elastic material",
+                "several materials, or one that flows",
+            ),
+            (
+                model.added_mass() > 0.0,
+                "a model without mass scaling",
+                "a scaled mass",
+            ),
+            (
+                body.driven.is_some(),
+                "to move freely",
+                "a prescribed motion",
+            ),
+            (
+                laws().any(ContactParameters::attracts),
+                "contacts that only press",
+                "contacts that attract",
+            ),
+            (
+                laws().any(mirrors),
+                "walls that meet it as they meet rigid bodies",
+                "the wall response \"mirror\"",
+            ),
+            (
+                self.batch.bonds().any(|(_, bond)| !bond.has_ended() && bond.bodies().contains(&id)),
+                "to be free of bonds",
+                "a bond",
+            ),
+            (
+                self.cell().is_some(),
+                "space that does not repeat itself",
+                "a periodic cell",
+            ),
+            (
+                self.parameters.time_step.implicit.is_some(),
+                "explicit steps",
+                "implicit steps",
+            ),
+        ] {
+            if is_so {
+                return Err(SolveError::CannotAdapt { needs, found });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Largest relative difference of the masses of a body and of its model.
+const SAME_MASS: f64 = 1e-6;
