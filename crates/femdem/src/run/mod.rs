@@ -34,6 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adaptive;
 mod body;
 mod bond_results;
 mod bonds;
@@ -100,6 +101,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+pub use adaptive::{FIDELITY_COLUMNS, FidelityRecord, FidelitySummary};
 pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
 pub use bond_results::{BOND_COLUMNS, BondSummary};
 pub use bonds::BondEntry;

@@ -54,13 +54,13 @@ impl Simulation {
 
     /// Whether there are bodies that may break.
     pub(super) fn has_breakable(&self) -> bool {
-        self.breakable_bodies().next().is_some()
+        self.has_adaptive() || self.breakable_bodies().next().is_some()
     }
 
     /// Number of the pieces of the bodies that may break.
     pub(super) fn piece_count(&self) -> usize {
         let bodies = self.breakable_bodies();
-        bodies.map(|body| body.piece_count()).sum()
+        bodies.map(|body| body.piece_count()).sum::<usize>() + self.adaptive_rigid_count()
     }
 
     /// The rows of `fragments.csv`, and the sizes of the pieces.

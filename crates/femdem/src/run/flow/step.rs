@@ -14,7 +14,9 @@ impl Simulation {
     /// Whether there are, were or will be rigid bodies.
     pub(in crate::run) fn has_rigid(&self) -> bool {
         // Deformable bodies stay.
-        self.members.len() > self.world.deformable_count() || !self.flow.supplies.is_empty()
+        self.has_adaptive()
+            || self.members.len() > self.world.deformable_count()
+            || !self.flow.supplies.is_empty()
     }
 
     /// Takes away the walls whose time has come.

@@ -50,7 +50,12 @@ impl Basis {
         Ok(self.free.solve_patches(loads)?)
     }
 
-    /// Mean edge of the mesh, m.
+    /// The same under forces on nodes, N.
+    pub fn solve_nodal(&self, forces: &[Vector3]) -> Result<Solved, SolveError> {
+        Ok(self.free.solve(forces)?)
+    }
+
+    /// Inscribed diameter, m.
     pub fn reach(&self) -> f64 {
         self.free.inscribed_diameter()
     }

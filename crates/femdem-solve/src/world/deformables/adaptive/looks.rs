@@ -11,7 +11,7 @@ use super::{AdaptiveBody, Adaptives};
 use crate::error::SolveError;
 use crate::world::World;
 use femdem_contact::{BodyId, Contact, Partner};
-use femdem_fem::free_body::{PatchLoad, Solved};
+use femdem_fem::free_body::PatchLoad;
 use femdem_mesh::{Pose, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -115,11 +115,11 @@ impl Loads {
 
 /// What becomes of a body.
 pub(super) enum Verdict {
-    Soften(Solved),
+    Soften,
     Harden,
 }
 
-/// A body that changes, with its largest stress over its strength.
+/// A body that changes, with its largest stress over its strength as found by forces on discs.
 struct Change {
     id: BodyId,
     ratio: f64,
@@ -137,7 +137,7 @@ impl World {
         for Change { id, ratio, verdict } in found? {
             let (time, steps) = (self.time, self.steps);
             let changed = match verdict {
-                Verdict::Soften(solved) => self.soften(id, ratio, &solved),
+                Verdict::Soften => self.soften(id),
                 Verdict::Harden => self.harden(id, ratio),
             };
             changed.map_err(|error| error.in_body(id as usize, steps, time))?;
@@ -186,8 +186,8 @@ impl World {
             let rigid = &self.bodies[id as usize];
             let pose = rigid.pose(&self.shapes[rigid.shape as usize]);
             let loads = Loads::new(id, &pose, own.iter().copied());
-            if let Some((ratio, solved)) = body.screen(basis, loads)? {
-                let verdict = Verdict::Soften(solved);
+            if let Some(ratio) = body.screen(basis, loads)? {
+                let verdict = Verdict::Soften;
                 changes.push(Change { id, ratio, verdict });
             }
         }
@@ -240,12 +240,12 @@ impl World {
 }
 
 impl AdaptiveBody {
-    /// The stresses of a rigid body if they are near its strength, with their largest ratio to it.
+    /// The largest stress of a rigid body over its strength, if that is near it.
     fn screen(
         &mut self,
         basis: &Basis,
         loads: Loads,
-    ) -> Result<Option<(f64, Solved)>, SolveError> {
+    ) -> Result<Option<f64>, SolveError> {
         let weakest = self.factors.iter().copied().fold(f64::INFINITY, f64::min);
         let change = self.screen.change(&loads.forces, basis.reach());
         if self.screen.ratio + basis.unit / weakest * change < NEAR {
@@ -258,6 +258,6 @@ impl AdaptiveBody {
             ratio,
             forces: loads.forces,
         };
-        Ok((ratio >= NEAR).then_some((ratio, solved)))
+        Ok((ratio >= NEAR).then_some(ratio))
     }
 }

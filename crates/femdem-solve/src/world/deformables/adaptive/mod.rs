@@ -21,11 +21,13 @@ use crate::error::SolveError;
 use crate::fracture::Fracture;
 use crate::world::World;
 use basis::Basis;
-use femdem_contact::{BodyId, ContactParameters, Field, WallResponse};
+use femdem_contact::{
+    BodyId, ContactLaws, ContactParameters, Field, MaterialId, WallResponse,
+};
 use femdem_fem::DeformableModel;
 use looks::Screen;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub use query::{Fidelity, FidelityChange};
 
@@ -112,9 +114,6 @@ impl World {
         let is_meshed =
             own.is_some_and(|(mesh, field)| *field == Field::Body && mesh == model.mesh());
         let mass: f64 = model.masses().iter().sum();
-        let material = self.batch.material(id).unwrap_or_default();
-        let laws = || self.batch.laws().of(material);
-        let mirrors = |law: &ContactParameters| law.wall_response != WallResponse::Rigid;
         for (is_so, needs, found) in [
             (
                 !is_meshed,
@@ -142,16 +141,6 @@ impl World {
                 "a prescribed motion",
             ),
             (
-                laws().any(ContactParameters::attracts),
-                "contacts that only press",
-                "contacts that attract",
-            ),
-            (
-                laws().any(mirrors),
-                "walls that meet it as they meet rigid bodies",
-                "the wall response \"mirror\"",
-            ),
-            (
                 self.batch.bonds().any(|(_, bond)| !bond.has_ended() && bond.bodies().contains(&id)),
                 "to be free of bonds",
                 "a bond",
@@ -171,8 +160,35 @@ impl World {
                 return Err(SolveError::CannotAdapt { needs, found });
             }
         }
-        Ok(())
+        let material = self.batch.material(id).unwrap_or_default();
+        check_laws(self.batch.laws().of(material))
     }
+
+    /// Refuses laws that change when an adaptive body does.
+    pub(in crate::world) fn check_adaptive_laws(
+        &self,
+        laws: &ContactLaws,
+    ) -> Result<(), SolveError> {
+        let adaptives = self.adaptives.as_deref();
+        let ids = adaptives.into_iter().flat_map(|all| all.bodies.keys());
+        let materials: BTreeSet<MaterialId> = ids.filter_map(|id| self.batch.material(*id)).collect();
+        materials.iter().try_for_each(|m| check_laws(laws.of(*m)))
+    }
+}
+
+fn check_laws<'a>(laws: impl Iterator<Item = &'a ContactParameters>) -> Result<(), SolveError> {
+    for law in laws {
+        if law.attracts() {
+            let (needs, found) = ("contacts that only press", "contacts that attract");
+            return Err(SolveError::CannotAdapt { needs, found });
+        }
+        if law.wall_response != WallResponse::Rigid {
+            let needs = "walls that meet it as they meet rigid bodies";
+            let found = "the wall response \"mirror\"";
+            return Err(SolveError::CannotAdapt { needs, found });
+        }
+    }
+    Ok(())
 }
 
 /// Largest relative difference of the masses of a body and of its model.

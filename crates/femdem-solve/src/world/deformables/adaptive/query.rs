@@ -3,6 +3,7 @@
 use crate::error::SolveError;
 use crate::world::World;
 use femdem_contact::BodyId;
+use femdem_contact::deform::Modulus;
 use serde::{Deserialize, Serialize};
 
 /// How a body responds to forces now.
@@ -48,6 +49,16 @@ impl World {
             };
             (id, fidelity)
         })
+    }
+
+    /// The penalty of the law by which the contacts of an adaptive body have a foundation of the modulus `ratio` E/h, Pa: see
+    /// [`ContactStiffness::Ratio`](crate::ContactStiffness::Ratio).
+    #[must_use]
+    pub fn penalty_of_ratio(&self, id: BodyId, ratio: f64) -> Option<f64> {
+        let model = self.adaptives.as_deref()?.bodies.get(&id)?.adaptive.model;
+        let young = self.deformables.as_deref()?.models.get(model as usize)?.young;
+        let shape = self.batch.deformable_shapes().get(model as usize)?;
+        Some(Modulus::of_material(young, ratio, shape).penalty(shape.inradius()))
     }
 
     /// Whether a body is adaptive.
