@@ -157,7 +157,7 @@ impl Simulation {
     pub fn fidelity_summary(&self) -> Option<FidelitySummary> {
         let bodies = self.world.adaptive_bodies().count();
         let changes = || self.fidelity.changes.iter().map(|(_, change)| change);
-        let to = |kind: Fidelity| changes().filter(|change| change.to == kind);
+        let to = |kind: Fidelity| changes().filter(move |change| change.to == kind);
         let highest = to(Fidelity::Deformable).map(|change| change.ratio);
         (bodies > 0).then(|| FidelitySummary {
             bodies,

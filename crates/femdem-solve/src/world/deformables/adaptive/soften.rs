@@ -7,7 +7,6 @@
 use super::super::fracture::Breakable;
 use super::super::{ContactStiffness, DeformableSpec, Model, State};
 use super::basis::worst;
-use super::friction::Friction;
 use super::spin::Kept;
 use super::{Adaptive, Fidelity, FidelityChange};
 use crate::Ledger;
