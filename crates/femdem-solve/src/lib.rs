@@ -206,5 +206,6 @@ pub use parameters::{
 pub use servo::{Resistance, Servo};
 pub use world::{
     Adaptive, ContactStiffness, Counters, CrackFacet, Cracks, Deformable, DeformableSpec, Fidelity,
-    FidelityChange, Fragmentation, ModelId, Residuals, Stability, World, WorldRelaxation, WorldRelaxed,
+    FidelityChange, Fragmentation, ModelId, Residuals, Stability, World, WorldRelaxation,
+    WorldRelaxed,
 };

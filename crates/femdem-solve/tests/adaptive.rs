@@ -9,8 +9,8 @@ use femdem_fem::material::NeoHookean;
 use femdem_fem::{DeformableModel, MaterialRegion};
 use femdem_mesh::{Point3, Pose, TetMesh, Vector3};
 use femdem_solve::{
-    Adaptive, BodySpec, ContactStiffness, DeformableSpec, Drive, Fidelity, FidelityChange, Fracture,
-    SleepParameters, SolveError, TimeStepParameters, World, WorldParameters,
+    Adaptive, BodySpec, ContactStiffness, DeformableSpec, Drive, Fidelity, FidelityChange,
+    Fracture, SleepParameters, SolveError, TimeStepParameters, World, WorldParameters,
 };
 
 const YOUNG: f64 = 20e9;
@@ -104,7 +104,9 @@ fn add(world: &mut World, kind: Kind, pose: Pose) -> BodyId {
             .unwrap();
     }
     if kind == Kind::Adaptive && world.model(0).is_none() {
-        world.add_model("cube", model(), ContactStiffness::Law).unwrap();
+        world
+            .add_model("cube", model(), ContactStiffness::Law)
+            .unwrap();
     }
     let id = world.add_body(BodySpec::at_rest(0, DENSITY, pose)).unwrap();
     if kind == Kind::Adaptive {
@@ -192,7 +194,10 @@ fn a_pressed_body_becomes_deformable_and_breaks_where_a_breakable_one_does() {
             assert!(!is_cracked(&world));
             // Its strain energy, F²L/(2 E A) under uniform stress.
             let stored = force(&world).powi(2) / (2.0 * YOUNG * SIDE);
-            assert!((change.energy / stored - 1.0).abs() < 0.1, "{change:?} {stored}");
+            assert!(
+                (change.energy / stored - 1.0).abs() < 0.1,
+                "{change:?} {stored}"
+            );
             assert!((world.ledger().fidelity - change.energy).abs() < 1e-12 * stored);
         }
         let before = world.ledger().error_relative();
@@ -217,7 +222,9 @@ fn momentum_stays_and_the_books_close_when_bodies_change() {
     let a = add(&mut world, Kind::Adaptive, place(0.0, 0.0));
     let b = add(&mut world, Kind::Adaptive, place(1.0001 * SIDE, 0.2 * SIDE));
     let away = Vector3::new(0.1, 0.0, 15.0);
-    world.set_velocity(a, away, Vector3::new(0.0, 20.0, 30.0)).unwrap();
+    world
+        .set_velocity(a, away, Vector3::new(0.0, 20.0, 30.0))
+        .unwrap();
     world.set_velocity(b, -away, Vector3::zeros()).unwrap();
     let (momentum, turning) = (world.linear_momentum(), angular_momentum(&world));
     let scale = 2.5e-3 * 15.0;
@@ -227,7 +234,11 @@ fn momentum_stays_and_the_books_close_when_bodies_change() {
         changes.extend(world.take_fidelity_changes());
         assert!(world.time() < 1e-3, "{changes:?}");
     }
-    assert!(changes.iter().all(|change| change.to == Fidelity::Deformable));
+    assert!(
+        changes
+            .iter()
+            .all(|change| change.to == Fidelity::Deformable)
+    );
     assert_eq!(world.deformable_count(), 2);
     for _ in 0..50 {
         world.step().unwrap();
@@ -269,12 +280,20 @@ fn a_body_that_is_set_free_becomes_rigid_again_and_deformable_under_load() {
     assert!((world.linear_momentum() - momentum).norm() < 1e-3);
     let mass = DENSITY * SIDE.powi(3);
     assert!((world.mass(0).unwrap() / mass - 1.0).abs() < 1e-12);
-    assert!(world.ledger().error_relative().abs() < 1e-3, "{:?}", world.ledger());
+    assert!(
+        world.ledger().error_relative().abs() < 1e-3,
+        "{:?}",
+        world.ledger()
+    );
     world.drive_wall(1, pressing(0.1, 1.0)).unwrap();
     let again = until_changed(&mut world, 60_000);
     assert_eq!(again.to, Fidelity::Deformable);
     assert_eq!(world.deformable(0).unwrap().model_id(), first);
-    assert!(world.ledger().error_relative().abs() < 1e-3, "{:?}", world.ledger());
+    assert!(
+        world.ledger().error_relative().abs() < 1e-3,
+        "{:?}",
+        world.ledger()
+    );
 }
 
 #[test]
@@ -292,7 +311,10 @@ fn same_bits_through_a_checkpoint_and_with_threads() {
                 if seen > 0 && changes == 1 {
                     world.drive_wall(1, pressing(-0.1, 1.0)).unwrap();
                     let drag = 2e4;
-                    let medium = femdem_solve::Medium { drag, ..Default::default() };
+                    let medium = femdem_solve::Medium {
+                        drag,
+                        ..Default::default()
+                    };
                     world.set_medium(medium).unwrap();
                 }
                 if save && (steps.is_multiple_of(777) || seen > 0) {
@@ -323,11 +345,16 @@ fn what_cannot_change_is_refused_by_name() {
         let text = result.unwrap_err().to_string();
         assert!(text.contains(word), "{text}");
     };
-    let unknown = Adaptive { model: 7, ..adaptive };
+    let unknown = Adaptive {
+        model: 7,
+        ..adaptive
+    };
     refused(world.set_adaptive(id, unknown), "model 7");
     let ball = world.add_sphere("ball", 0.01).unwrap();
     let pose = Pose::translation(1.0, 0.0, 0.0);
-    let ball = world.add_body(BodySpec::at_rest(ball, DENSITY, pose)).unwrap();
+    let ball = world
+        .add_body(BodySpec::at_rest(ball, DENSITY, pose))
+        .unwrap();
     refused(world.set_adaptive(ball, adaptive), "another shape");
     let heavy = BodySpec::at_rest(0, 2.0 * DENSITY, Pose::translation(2.0, 0.0, 0.0));
     let heavy = world.add_body(heavy).unwrap();
@@ -335,7 +362,10 @@ fn what_cannot_change_is_refused_by_name() {
     let mut contact = world.parameters().contact;
     contact.wall_response = WallResponse::Mirror;
     refused(world.set_contact(contact), "mirror");
-    refused(world.drive_body(id, Some(Drive::Fixed)), "prescribed motion");
+    refused(
+        world.drive_body(id, Some(Drive::Fixed)),
+        "prescribed motion",
+    );
     let torque = femdem_contact::Wrench {
         force: Vector3::zeros(),
         torque: Vector3::x(),

@@ -168,7 +168,11 @@ impl World {
         }
         let i = self.known_body(id)?;
         if torque > 0.0 || load.follows() {
-            self.refuse_adaptive(Some(id), "loads without a torque", "a torque, or a load that turns with it")?;
+            self.refuse_adaptive(
+                Some(id),
+                "loads without a torque",
+                "a torque, or a load that turns with it",
+            )?;
         }
         let body = &mut self.bodies[i];
         if body.set_load(&load, &self.shapes[body.shape as usize]) {

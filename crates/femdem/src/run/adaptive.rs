@@ -5,10 +5,10 @@ use std::io::{self, Write};
 use femdem_contact::{BodyId, Field};
 use femdem_fem::{DeformableModel, MaterialRegion};
 use femdem_mesh::{Pose, TetMesh};
-use femdem_solve::{Adaptive, BodySpec, ContactStiffness, Fidelity, FidelityChange};
+use femdem_solve::{Adaptive, BodySpec, ContactStiffness, Fidelity};
 use femdem_view::output::csv::quoted;
-use serde::{Deserialize, Serialize};
 
+use super::fidelity::FidelitySummary;
 use super::history::number;
 use super::places::Place;
 use super::{Behaviour, BodyEntry, Scenario, Simulation};
@@ -17,32 +17,6 @@ use crate::error::wrong;
 
 /// Columns of `fidelity.csv`.
 pub const FIDELITY_COLUMNS: [&str; 5] = ["time", "body", "to", "strength_ratio", "energy"];
-
-/// What has become of the adaptive bodies of a run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FidelityRecord {
-    /// Their changes, with the names of the bodies.
-    changes: Vec<(String, FidelityChange)>,
-    /// Largest mass of all deformable bodies over that of all bodies.
-    largest_share: f64,
-}
-
-/// The adaptive bodies of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FidelitySummary {
-    /// Number of adaptive bodies.
-    pub bodies: usize,
-    /// How often one became deformable.
-    pub softened: usize,
-    /// How often one became rigid again.
-    pub hardened: usize,
-    /// Largest stress over strength at which one became deformable: above 1 one was too late.
-    pub highest: f64,
-    /// Mass of all deformable bodies, fragments included, over that of all bodies, now.
-    pub deformable_share: f64,
-    /// The largest.
-    pub largest_share: f64,
-}
 
 impl BodyEntry {
     /// Refuses keys that a body cannot have that is rigid and deformable by turns.

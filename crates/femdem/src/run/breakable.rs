@@ -65,8 +65,7 @@ impl Scenario {
     /// Refuses the fracture of a material of which no breakable body is made.
     pub(super) fn refuse_idle_fracture(&self, name: &str) -> Result<(), Error> {
         let mut bodies = self.body.iter();
-        let breaks =
-            |body: &BodyEntry| body.behaviour.breaks() && body.material == name;
+        let breaks = |body: &BodyEntry| body.behaviour.breaks() && body.material == name;
         if self
             .material
             .get(name)

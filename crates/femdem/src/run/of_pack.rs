@@ -8,9 +8,8 @@ use femdem_mesh::Vector3;
 use femdem_solve::{World, WorldParameters};
 
 use super::{
-    FidelityRecord,
-        BodyLoads, ContactEntry, Controls, Flow, MaterialEntry, Member, NamedWall, Origin, Penalty,
-    Scenario, Simulation, WallEntry,
+    BodyLoads, ContactEntry, Controls, FidelityRecord, Flow, MaterialEntry, Member, NamedWall,
+    Origin, Penalty, Scenario, Simulation, WallEntry,
 };
 use crate::Error;
 use crate::error::wrong;

@@ -75,11 +75,17 @@ impl Scenario {
         loads: &Loads,
     ) -> Result<(), Error> {
         let asked = self.contact.penetration;
-        let has_ratio =
-            |body: &BodyEntry| body.behaviour == Behaviour::Adaptive && body.contact_ratio.is_some();
+        let has_ratio = |body: &BodyEntry| {
+            body.behaviour == Behaviour::Adaptive && body.contact_ratio.is_some()
+        };
         if self.contact.penalty.is_some() && self.body.iter().any(has_ratio) {
-            let allowed = "the penalty of the scene is that of adaptive bodies: give one of the two";
-            return Err(wrong("contact-ratio", "given with contact.penalty", allowed));
+            let allowed =
+                "the penalty of the scene is that of adaptive bodies: give one of the two";
+            return Err(wrong(
+                "contact-ratio",
+                "given with contact.penalty",
+                allowed,
+            ));
         }
         if let Some(value) = self.contact.penalty {
             if asked.is_some() {

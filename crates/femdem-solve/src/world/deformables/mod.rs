@@ -25,8 +25,8 @@ pub(crate) use fracture::CrackFlows;
 use nodal_bound::NodalBound;
 use serde::{Deserialize, Serialize};
 
-pub use adaptive::{Adaptive, Fidelity, FidelityChange};
 pub(crate) use adaptive::Adaptives;
+pub use adaptive::{Adaptive, Fidelity, FidelityChange};
 pub(super) use add::centroid;
 pub use fracture::{CrackFacet, Cracks, Fragmentation};
 pub use query::Deformable;

@@ -2,10 +2,10 @@
 
 use super::super::Model;
 use crate::error::SolveError;
+use femdem_fem::DeformableModel;
 use femdem_fem::ElementStress;
 use femdem_fem::fracture::Strength;
 use femdem_fem::free_body::{FreeBody, PatchLoad, Solved};
-use femdem_fem::DeformableModel;
 use femdem_mesh::{Matrix3, Vector3};
 use std::sync::Arc;
 

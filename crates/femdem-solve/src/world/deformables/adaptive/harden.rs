@@ -68,13 +68,18 @@ impl World {
         self.step_control.lose();
         self.meet_with(&friction)?;
         let energy = self.book_fidelity(&before);
-        self.note_change(id, None, Some(shape), FidelityChange {
-            body: id,
-            to: Fidelity::Rigid,
-            time: self.time,
-            ratio,
-            energy,
-        });
+        self.note_change(
+            id,
+            None,
+            Some(shape),
+            FidelityChange {
+                body: id,
+                to: Fidelity::Rigid,
+                time: self.time,
+                ratio,
+                energy,
+            },
+        );
         Ok(())
     }
 
@@ -105,7 +110,7 @@ fn pose_of(from: &[Vector3], to: &[Vector3], masses: &[f64]) -> Option<Pose> {
     }
     let svd = second.svd(true, true);
     let turn = svd.u? * svd.v_t?;
-    if !(turn.determinant() > 0.0) {
+    if turn.determinant() <= 0.0 {
         return None;
     }
     let turn = Rotation3::from_matrix_unchecked(turn);

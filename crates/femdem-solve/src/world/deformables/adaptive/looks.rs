@@ -207,11 +207,7 @@ impl World {
     }
 
     /// Whether a deformable body is to become rigid, with its largest stress over its strength then.
-    fn is_quiet(
-        &self,
-        id: BodyId,
-        body: &mut AdaptiveBody,
-    ) -> Result<Option<f64>, SolveError> {
+    fn is_quiet(&self, id: BodyId, body: &mut AdaptiveBody) -> Result<Option<f64>, SolveError> {
         let Some(Deformables { models, bodies, .. }) = self.deformables.as_deref() else {
             return Ok(None);
         };
@@ -233,7 +229,11 @@ impl World {
             return Ok(None);
         }
         let stresses = model.model.stresses(&state.positions, &state.history)?;
-        let ratio = worst(strength, &nodal_means(&model.model, &stresses), &body.factors);
+        let ratio = worst(
+            strength,
+            &nodal_means(&model.model, &stresses),
+            &body.factors,
+        );
         body.quiet = if ratio < FAR { body.quiet + 1 } else { 0 };
         Ok((body.quiet >= WINDOW).then_some(ratio))
     }
@@ -241,11 +241,7 @@ impl World {
 
 impl AdaptiveBody {
     /// The largest stress of a rigid body over its strength, if that is near it.
-    fn screen(
-        &mut self,
-        basis: &Basis,
-        loads: Loads,
-    ) -> Result<Option<f64>, SolveError> {
+    fn screen(&mut self, basis: &Basis, loads: Loads) -> Result<Option<f64>, SolveError> {
         let weakest = self.factors.iter().copied().fold(f64::INFINITY, f64::min);
         let change = self.screen.change(&loads.forces, basis.reach());
         if self.screen.ratio + basis.unit / weakest * change < NEAR {

@@ -21,9 +21,7 @@ use crate::error::SolveError;
 use crate::fracture::Fracture;
 use crate::world::World;
 use basis::Basis;
-use femdem_contact::{
-    BodyId, ContactLaws, ContactParameters, Field, MaterialId, WallResponse,
-};
+use femdem_contact::{BodyId, ContactLaws, ContactParameters, Field, MaterialId, WallResponse};
 use femdem_fem::DeformableModel;
 use looks::Screen;
 use serde::{Deserialize, Serialize};
@@ -141,7 +139,9 @@ impl World {
                 "a prescribed motion",
             ),
             (
-                self.batch.bonds().any(|(_, bond)| !bond.has_ended() && bond.bodies().contains(&id)),
+                self.batch
+                    .bonds()
+                    .any(|(_, bond)| !bond.has_ended() && bond.bodies().contains(&id)),
                 "to be free of bonds",
                 "a bond",
             ),
@@ -171,7 +171,8 @@ impl World {
     ) -> Result<(), SolveError> {
         let adaptives = self.adaptives.as_deref();
         let ids = adaptives.into_iter().flat_map(|all| all.bodies.keys());
-        let materials: BTreeSet<MaterialId> = ids.filter_map(|id| self.batch.material(*id)).collect();
+        let materials: BTreeSet<MaterialId> =
+            ids.filter_map(|id| self.batch.material(*id)).collect();
         materials.iter().try_for_each(|m| check_laws(laws.of(*m)))
     }
 }

@@ -56,7 +56,12 @@ impl World {
     #[must_use]
     pub fn penalty_of_ratio(&self, id: BodyId, ratio: f64) -> Option<f64> {
         let model = self.adaptives.as_deref()?.bodies.get(&id)?.adaptive.model;
-        let young = self.deformables.as_deref()?.models.get(model as usize)?.young;
+        let young = self
+            .deformables
+            .as_deref()?
+            .models
+            .get(model as usize)?
+            .young;
         let shape = self.batch.deformable_shapes().get(model as usize)?;
         Some(Modulus::of_material(young, ratio, shape).penalty(shape.inradius()))
     }
@@ -77,7 +82,10 @@ impl World {
     ) -> Result<(), SolveError> {
         let is_there = match id {
             Some(id) => self.is_adaptive(id),
-            None => self.adaptives.as_deref().is_some_and(|all| !all.bodies.is_empty()),
+            None => self
+                .adaptives
+                .as_deref()
+                .is_some_and(|all| !all.bodies.is_empty()),
         };
         match is_there {
             true => Err(SolveError::CannotAdapt { needs, found }),

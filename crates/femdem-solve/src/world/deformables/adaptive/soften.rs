@@ -46,13 +46,18 @@ impl World {
         self.meet_with(&friction)?;
         let ratio = self.balance(id, &solid, number)?;
         let energy = self.book_fidelity(&before);
-        self.note_change(id, Some(number), None, FidelityChange {
-            body: id,
-            to: Fidelity::Deformable,
-            time: self.time,
-            ratio,
-            energy,
-        });
+        self.note_change(
+            id,
+            Some(number),
+            None,
+            FidelityChange {
+                body: id,
+                to: Fidelity::Deformable,
+                time: self.time,
+                ratio,
+                energy,
+            },
+        );
         Ok(())
     }
 
@@ -146,7 +151,9 @@ impl World {
             index: solid.adaptive.model as usize,
             count: models.len(),
         };
-        let base = models.get(solid.adaptive.model as usize).ok_or_else(missing)?;
+        let base = models
+            .get(solid.adaptive.model as usize)
+            .ok_or_else(missing)?;
         base.unloaded(&solid.mesh, displacements, solid.kept.mass)
     }
 

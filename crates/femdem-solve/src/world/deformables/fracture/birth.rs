@@ -10,9 +10,7 @@ use crate::world::deformables::add::{held_energy, inverse_masses};
 use crate::world::deformables::each::on_each_with;
 use crate::world::deformables::nodal_bound::NodalBound;
 use crate::world::deformables::rest::Rest;
-use crate::world::deformables::{
-    ContactStiffness, Deformables, Model, Scratch, State, foundation,
-};
+use crate::world::deformables::{ContactStiffness, Deformables, Model, Scratch, State, foundation};
 use femdem_contact::deform::{Modulus, NodalLoads};
 use femdem_contact::glue::{GlueLaw, GluedFacet};
 use femdem_contact::{BodyId, ContactBatch};
