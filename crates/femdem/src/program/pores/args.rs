@@ -54,7 +54,7 @@ pub(crate) struct PoresArgs {
     #[arg(long, value_name = "REGION", allow_hyphen_values = true)]
     pub region: Option<Inside>,
 
-    /// Side of a voxel; changed a little, so that a whole number fits [default: 0.05]
+    /// Side of a voxel, in d without a unit; changed a little, so that a whole number fits [default: 0.05]
     #[arg(long, value_name = "LENGTH")]
     pub voxel: Option<Length>,
 
