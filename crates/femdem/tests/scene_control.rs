@@ -101,6 +101,31 @@ fn an_oedometer_balances_its_forces() {
     assert_eq!(walls.lines().count(), 1 + 6 * rows.len());
 }
 
+/// A force stays while the area grows under it, also on the sides of a box without a lid.
+#[test]
+fn an_axis_may_press_with_a_force() {
+    let control = "x = { force = 30, speed = 0.2 }, z = { strain-rate = -0.3 }";
+    let (summary, _) = ran(&grains(control, "duration = 0.2\ngravity = [0, 0, 0]"));
+    let cell = &summary.cells[0];
+    assert!(cell.sides[2] > 0.074, "{cell:?}");
+    let force = cell.stress[0] * cell.sides[1] * cell.sides[2];
+    assert!((force / 30.0 - 1.0).abs() < 0.02, "{force} {cell:?}");
+    let error = cell.errors[0].unwrap();
+    assert!(
+        (error - (force / 30.0 - 1.0)).abs() < 1e-9,
+        "{error} {force}"
+    );
+
+    let open = grains("x = { force = 30, speed = 0.2 }", "duration = 0.2").replace(
+        "upper = [0.07, 0.07, 0.07] }",
+        "upper = [0.07, 0.07, 0.07], open = true }",
+    );
+    let (summary, _) = ran(&open);
+    let side = |name: &str| summary.walls.iter().find(|wall| wall.name == name).unwrap();
+    let mean = (side("cell x+").force[0] - side("cell x-").force[0]) / 2.0;
+    assert!((mean / 30.0 - 1.0).abs() < 0.02, "{mean}");
+}
+
 /// A rate of strain is kept however far the cell is squeezed: L = L0 e^(-rate t). No step is shortened for the table, whose
 /// corner may be missed by one.
 #[test]
@@ -260,7 +285,7 @@ fn controls_that_mean_nothing_are_refused_by_name() {
         ("force = 3, speed = 1", "give them to the axes"),
         ("", "at least one of the axes"),
         ("x = { stress = 1e4 }", "speed = none"),
-        ("x = { speed = 1 }", "either stress or strain-rate"),
+        ("x = { speed = 1 }", "one of stress, force and strain-rate"),
         ("x = { stress = -1, speed = 1 }", "they cannot pull"),
         (
             "x = { stress = 1, speed = -1 }",

@@ -12,10 +12,10 @@ use femdem::run::{
     BridgeEntry, CELL_COLUMNS, CellEntry, CellState, ContactEntry, ControlEntry, Copies, Ending,
     FLOW_COLUMNS, FlowSummary, FocusEntry, FractureEntry, FractureSummary, GateEntry,
     HISTORY_COLUMNS, Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry,
-    PairEntry, Penalty, PenetrationSummary, ReactionSummary, RegionEntry, RelaxEntry, RelaxSummary,
-    RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario, SelectEntry,
-    ShearEntry, Sides, SourceEntry, StepEntry, StrainSummary, WALL_HISTORY_COLUMNS, WallSummary,
-    WeibullEntry, Zone,
+    PairEntry, Penalty, PenetrationSummary, Reached, ReactionSummary, RegionEntry, RelaxEntry,
+    RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario,
+    SelectEntry, ShearEntry, Sides, SourceEntry, StepEntry, StrainSummary, UntilEntry,
+    WALL_HISTORY_COLUMNS, WallSummary, WeibullEntry, Zone,
 };
 use femdem::scene::Unit;
 use serde::Serialize;
@@ -222,6 +222,7 @@ fn cell() -> CellEntry {
 fn axis() -> AxisEntry {
     AxisEntry {
         stress: Some(1.0),
+        force: Some(1.0),
         strain_rate: Some(1.0),
         speed: Some(1.0),
         sides: Sides::Upper,
@@ -298,6 +299,17 @@ fn step() -> StepEntry {
     }
 }
 
+fn until() -> UntilEntry {
+    UntilEntry {
+        column: "px".to_owned(),
+        of: Some("w".to_owned()),
+        above: Some(1.0),
+        below: Some(1.0),
+        after: 1.0,
+        lasting: 1.0,
+    }
+}
+
 fn scenario() -> Scenario {
     Scenario {
         title: "t".to_owned(),
@@ -308,6 +320,7 @@ fn scenario() -> Scenario {
         pictures: true,
         tables: true,
         rest: Some(rest()),
+        until: vec![until()],
         relax: Some(RelaxEntry::default()),
         gravity: Some(V),
         contact: ContactEntry::default(),
@@ -622,6 +635,11 @@ fn summary() -> RunSummary {
         title: String::new(),
         ending: Some(Ending::Time),
         relaxed: Some(RelaxSummary::default()),
+        reached: Some(Reached {
+            column: String::new(),
+            of: Some(String::new()),
+            value: 0.0,
+        }),
         rest: RestSummary {
             at_rest: true,
             driven: false,

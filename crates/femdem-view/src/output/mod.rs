@@ -10,7 +10,7 @@
 //! | `labels.vti`, `fields.vti` | [`vti`] | ParaView: voxels of the void space |
 //! | `labels.mhd`, `phases.mhd` and `.raw` | [`raw`] | Fiji, ITK, lattice Boltzmann codes: the same voxels |
 //! | `bodies.stl`, `wall.stl`, ... | [`stl`] | meshers for flow: closed surfaces in named parts |
-//! | `snappyHexMeshDict`, ... | [`openfoam`] | OpenFOAM: a mesh of the void |
+//! | `snappyHexMeshDict`, ... | [`openfoam`] | OpenFOAM: a mesh of the void, and the flow through it |
 //! | `pack.stl`, `shape-<name>.obj` | [`surface`] | CFD meshing; one body alone |
 //! | `*.pvd` | [`write_pvd`] | ParaView: files of a time series with their times |
 //! | any VTK file | [`vtk`] | ParaView: data of one's own |

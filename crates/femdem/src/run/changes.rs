@@ -12,7 +12,7 @@ use super::{ControlEntry, MotionEntry, Scenario, Simulation};
 use crate::{Error, toml_file};
 
 /// Keys that say how a run is written down and when it ends.
-const OF_OUTPUT: [&str; 12] = [
+const OF_OUTPUT: [&str; 13] = [
     "title",
     "duration",
     "every",
@@ -21,6 +21,7 @@ const OF_OUTPUT: [&str; 12] = [
     "pictures",
     "tables",
     "rest",
+    "until",
     "relax",
     "energy-error-limit",
     "threads",

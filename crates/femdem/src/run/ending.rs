@@ -10,4 +10,6 @@ pub enum Ending {
     Time,
     /// All bodies were at rest.
     Rest,
+    /// A number of its tables was beyond a limit.
+    Until,
 }

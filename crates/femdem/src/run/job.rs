@@ -11,9 +11,11 @@ use serde::{Deserialize, Serialize};
 
 use super::history::{self, Table};
 use super::relaxation::Relaxing;
+use super::until::Until;
 use super::watch::{Deepest, Watch};
 use super::{
-    CELL_COLUMNS, Ending, FLOW_COLUMNS, RelaxSummary, Scenario, Simulation, WALL_HISTORY_COLUMNS,
+    CELL_COLUMNS, Ending, FLOW_COLUMNS, Reached, RelaxSummary, Scenario, Simulation,
+    WALL_HISTORY_COLUMNS,
 };
 use crate::Error;
 
@@ -60,6 +62,7 @@ pub struct Run {
     quiet_since: Option<f64>,
     /// Whether the bodies have come to rest, and are awake to show that they stay there.
     verifying: bool,
+    until: Until,
     relaxing: Option<Relaxing>,
     ending: Option<Ending>,
 }
@@ -72,7 +75,7 @@ impl Run {
     /// As [`Scenario::build`].
     pub fn new(scenario: Scenario) -> Result<Self, Error> {
         let (scenario, simulation) = scenario.begin()?;
-        Ok(Self::at_start(scenario, simulation))
+        Self::at_start(scenario, simulation)
     }
 
     /// A run of another scene that starts from the present state of this one, whatever its `from` says, with time and ledger at 0.
@@ -85,10 +88,11 @@ impl Run {
         let state = format!("the run of \"{}\"", self.scenario.out.display());
         let (scenario, simulation) =
             next.start_after(&self.scenario, self.simulation.clone(), &state)?;
-        Ok(Self::at_start(scenario, simulation))
+        Self::at_start(scenario, simulation)
     }
 
-    fn at_start(scenario: Scenario, simulation: Simulation) -> Self {
+    fn at_start(scenario: Scenario, simulation: Simulation) -> Result<Self, Error> {
+        scenario.check_until(&simulation)?;
         let [mut history, mut members, mut walls, mut cells, mut flow] =
             [const { Table::EMPTY }; 5];
         history.row(history::history_header(&simulation));
@@ -96,7 +100,7 @@ impl Run {
         walls.row(WALL_HISTORY_COLUMNS.map(str::to_owned));
         cells.row(CELL_COLUMNS.map(str::to_owned));
         flow.row(FLOW_COLUMNS.map(str::to_owned));
-        Self {
+        Ok(Self {
             peaks: vec![Peak::default(); simulation.walls.len()],
             reaction_peaks: vec![Peak::default(); simulation.supports.len()],
             watch: Watch::default(),
@@ -112,9 +116,10 @@ impl Run {
             flow,
             quiet_since: None,
             verifying: false,
+            until: Until::default(),
             relaxing: None,
             ending: None,
-        }
+        })
     }
 
     /// The scenario.
@@ -148,6 +153,12 @@ impl Run {
     #[must_use]
     pub fn ending(&self) -> Option<Ending> {
         self.ending
+    }
+
+    /// The limit that ended the motion; `None` while none has.
+    #[must_use]
+    pub fn reached(&self) -> Option<&Reached> {
+        self.until.reached.as_ref()
     }
 
     /// Progress of the relaxation after the motion; `None` before it, and without one.

@@ -92,6 +92,7 @@ mod start;
 mod state;
 mod summary;
 mod support;
+mod until;
 mod wall;
 mod wall_surfaces;
 mod watch;
@@ -142,6 +143,7 @@ pub use summary::{
     BodySummary, PenetrationSummary, RUN_SCHEMA, ReactionSummary, RunEnergy, RunSummary,
     StrainSummary, WallSummary,
 };
+pub use until::{Reached, UntilEntry};
 pub use wall::{BoxEntry, PlaneEntry, WallEntry};
 
 use crate::scene::gravity_vector;
@@ -168,6 +170,8 @@ pub struct Scenario {
     pub tables: bool,
     /// Ends the run early once all bodies are at rest.
     pub rest: Option<RestEntry>,
+    /// Limits of numbers in the tables over time that end the run early.
+    pub until: Vec<UntilEntry>,
     /// Brings all bodies to rest after the duration, under the forces that act then. `None`: the run ends in
     /// motion.
     pub relax: Option<RelaxEntry>,
@@ -230,6 +234,7 @@ impl Default for Scenario {
             pictures: false,
             tables: false,
             rest: None,
+            until: Vec::new(),
             relax: None,
             gravity: None,
             contact: ContactEntry::default(),

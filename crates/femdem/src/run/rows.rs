@@ -20,6 +20,7 @@ impl fmt::Display for RunSummary {
         let end = match self.ending {
             Some(Ending::Time) => "to its end",
             Some(Ending::Rest) => "to rest",
+            Some(Ending::Until) => "to its limit",
             None => "not finished",
         };
         writeln!(f, "{title}: {end}")?;
@@ -58,6 +59,14 @@ impl RunSummary {
             short_number(e.strain)
         );
         let mut rows = vec![row("bodies", bodies), row("simulated", simulated)];
+        rows.extend(self.reached.as_ref().map(|reached| {
+            let whose = reached
+                .of
+                .as_ref()
+                .map_or_else(String::new, |of| format!(" of {of}"));
+            let text = format!("{}{whose}: {}", reached.column, short_number(reached.value));
+            row("limit", text)
+        }));
         let of = match self.contacts {
             0 => "loads",
             _ => "mean contact force",

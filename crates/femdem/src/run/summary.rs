@@ -8,7 +8,7 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    BondSummary, CellState, Ending, FidelitySummary, FlowSummary, FractureSummary, Penalty,
+    BondSummary, CellState, Ending, FidelitySummary, FlowSummary, FractureSummary, Penalty, Reached,
     RelaxSummary, RestSummary, Run, Side,
 };
 use crate::{Error, Usage};
@@ -25,6 +25,8 @@ pub struct RunSummary {
     pub title: String,
     /// Why the run ended; `null` if it has not.
     pub ending: Option<Ending>,
+    /// The limit of the scene that ended it; `null` if none did.
+    pub reached: Option<Reached>,
     /// How the bodies were brought to rest after that; `null` if they were not.
     pub relaxed: Option<RelaxSummary>,
     /// How near to rest it is now.
@@ -261,6 +263,7 @@ impl RunSummary {
             title: run.scenario().title.clone(),
             ending: run.ending(),
             relaxed: run.relaxation().copied(),
+            reached: run.reached().cloned(),
             rest: simulation.rest(),
             bodies,
             walls: walls.collect(),

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
+use femdem::output::short_number;
 use femdem::scene::Length;
 
 use crate::program::args::WorkArgs;
@@ -17,7 +18,7 @@ The folder pores then holds
   labels.mhd, phases.mhd     for Fiji, ITK and lattice Boltzmann codes, with their .raw files
   flow/                      closed surfaces in named parts, and a case of OpenFOAM around them
 
-Lengths are in d, the mean circumscribed diameter, or in m or mm with the unit: 0.05, 0.5mm, 2e-4m.";
+Lengths other than --region are in d, the mean circumscribed diameter, or in m or mm with the unit: 0.05, 0.5mm, 2e-4m.";
 
 /// How contacts are treated in the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -53,7 +54,7 @@ pub(crate) struct PoresArgs {
     #[arg(long, value_name = "REGION", allow_hyphen_values = true)]
     pub region: Option<Inside>,
 
-    /// Side of a voxel; changed a little, so that a whole number fits [default: 0.05]
+    /// Side of a voxel, in d without a unit; changed a little, so that a whole number fits [default: 0.05]
     #[arg(long, value_name = "LENGTH")]
     pub voxel: Option<Length>,
 
@@ -81,8 +82,17 @@ pub(crate) struct PoresArgs {
     #[arg(long, value_name = "LENGTH", conflicts_with = "region")]
     pub margin: Option<Length>,
 
+    /// Superficial velocity of the flow along z in m/s: the flow over the whole cross-section [default: such that
+    /// the Reynolds number, of this velocity and d, is 1]
+    #[arg(long, value_name = "M/S")]
+    pub velocity: Option<f64>,
+
+    /// Kinematic viscosity of the fluid in m2/s [default: 1e-6, of water]
+    #[arg(long, value_name = "M2/S")]
+    pub viscosity: Option<f64>,
+
     /// Image, distances, pores and paths only
-    #[arg(long, conflicts_with_all = ["contacts", "factor", "gap", "bridge", "margin"])]
+    #[arg(long, conflicts_with_all = ["contacts", "factor", "gap", "bridge", "margin", "velocity", "viscosity"])]
     pub no_surface: bool,
 
     /// Folder for the results [default: pores in the folder of the pack, or of the tables of the frame]
@@ -99,7 +109,40 @@ pub(crate) struct PoresArgs {
     pub work: WorkArgs,
 }
 
+/// Kinematic viscosity of water at 20 °C \[m²/s\].
+const WATER: f64 = 1e-6;
+
+/// Fluid and flow of the case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fluid {
+    /// Superficial velocity \[m/s\].
+    pub velocity: f64,
+    /// Kinematic viscosity \[m²/s\].
+    pub viscosity: f64,
+}
+
 impl PoresArgs {
+    /// Fluid and flow around bodies of a mean diameter \[m\].
+    pub(super) fn fluid(&self, diameter: f64) -> Result<Fluid> {
+        let given = [
+            ("velocity", self.velocity, "m/s"),
+            ("viscosity", self.viscosity, "m2/s"),
+        ];
+        for (name, value, unit) in given {
+            let value = value.unwrap_or(1.0);
+            ensure!(
+                value > 0.0 && value.is_finite(),
+                "--{name} {} is not allowed: give a number above 0 in {unit}",
+                short_number(value)
+            );
+        }
+        let viscosity = self.viscosity.unwrap_or(WATER);
+        Ok(Fluid {
+            velocity: self.velocity.unwrap_or(viscosity / diameter),
+            viscosity,
+        })
+    }
+
     /// The treatment of contacts; `None` without surfaces.
     pub(super) fn treatment(&self, all_convex: bool) -> Option<Contacts> {
         let usual = if all_convex {

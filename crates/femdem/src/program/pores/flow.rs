@@ -12,7 +12,7 @@ use femdem::analysis::pores::{
 };
 use femdem::analysis::{Region, exact_density};
 use femdem::mesh::Point3;
-use femdem::output::openfoam::{CasePatch, FlowCase};
+use femdem::output::openfoam::{CasePatch, FlowCase, PatchKind};
 use femdem::output::{counted, short_number, stl, write_file};
 use serde::Serialize;
 
@@ -58,6 +58,9 @@ pub(super) struct FlowSummary {
     void_volume: Option<f64>,
     /// The same by the analysis, of the bodies as they are \[m³\].
     exact_void_volume: f64,
+    /// Superficial velocity \[m/s\] and kinematic viscosity \[m²/s\] of the case.
+    velocity: f64,
+    viscosity: f64,
 }
 
 /// A closed surface and its exact counterpart.
@@ -94,6 +97,8 @@ pub(super) fn make(
         overlapping: 0,
         void_volume: None,
         exact_void_volume: exact_void,
+        velocity: space.fluid.velocity,
+        viscosity: space.fluid.viscosity,
     };
     let surfaces = match *treated {
         Treated::Facets(treatment) => {
@@ -198,7 +203,7 @@ impl Flow {
     pub(super) fn write(self, out: &Path, space: &Space) -> Result<FlowSummary> {
         let folder = out.join(FOLDER);
         let surfaces = folder.join(SURFACES);
-        for made in [&surfaces, &folder.join("system")] {
+        for made in [&surfaces, &folder.join("system"), &folder.join("0")] {
             fs::create_dir_all(made)
                 .with_context(|| format!("cannot make the folder {}", made.display()))?;
         }
@@ -216,17 +221,32 @@ impl Flow {
                 stl::write_triangles(triangles, w)
             })?;
         }
-        let patch = |name: &&'static str| CasePatch {
-            name: (*name).to_owned(),
-            fine: *name == "bodies",
-            wall: matches!(*name, "bodies" | "wall"),
+        let patch = |name: &&'static str| {
+            let kind = match *name {
+                "bodies" => PatchKind::Bodies,
+                "wall" => PatchKind::Wall,
+                "sides" => PatchKind::Slip,
+                "inlet" => PatchKind::Inlet,
+                "outlet" => PatchKind::Outlet,
+                // Sides that repeat are made with the block.
+                _ => return None,
+            };
+            Some(CasePatch {
+                name: (*name).to_owned(),
+                kind,
+            })
         };
+        let region = self.summary.region;
         let case = FlowCase {
-            region: self.summary.region,
-            patches: self.summary.patches.iter().map(patch).collect(),
+            region,
+            repeats: space.repeats,
+            patches: self.summary.patches.iter().filter_map(patch).collect(),
             inside: self.inside,
             cell: CELL * space.voxel,
             level: LEVEL,
+            velocity: space.fluid.velocity,
+            viscosity: space.fluid.viscosity,
+            porosity: self.summary.exact_void_volume / region.volume(),
         };
         let note = self.summary.note();
         for (name, text) in case.files().into_iter().chain([("README.txt", note)]) {
@@ -249,7 +269,8 @@ impl FlowSummary {
             ),
             "wall" => "the side wall of the container".to_owned(),
             "sides" => {
-                "the upright sides, cut through a pack that goes on: symmetry planes".to_owned()
+                "the upright sides, cut through a pack that goes on: the fluid slides along them"
+                    .to_owned()
             }
             "inlet" => "the lower end (smallest z)".to_owned(),
             "outlet" => "the upper end".to_owned(),
@@ -260,18 +281,27 @@ impl FlowSummary {
         };
         let line = |name: &&str| format!("  {:<12} {}\n", format!("{name}.stl"), about(name));
         let list: String = self.patches.iter().map(line).collect();
-        let cyclic = if self.patches.iter().any(|name| name.ends_with("_low")) {
-            "Make the sides of the periodic cell patches of type cyclicAMI with createPatch.\n\n"
+        let repeats = |name: &&str| name.ends_with("_low");
+        let cyclic = if self.patches.iter().any(repeats) {
+            "Sides of the periodic cell are patches of the block, of type cyclic. Their surfaces are for other programs.\n\n"
         } else {
             ""
         };
+        let result = if self.patches.contains(&"inlet") {
+            "It prints \"areaAverage(inlet) of p\", the drop of pressure over the density of the fluid, in m2/s2."
+        } else {
+            "It prints \"pressure gradient\", over the density of the fluid, in m/s2, and \"volIntegrate(region0) of U\", the\n\
+             superficial velocity in m/s, which is a little off where narrow gaps are not meshed."
+        };
         format!(
-            "Surfaces of the void of a pack, in m, for snappyHexMesh (constant/triSurface).\n\n{list}\n{cyclic}\
-             With OpenFOAM in the shell, in this folder:\n\n  blockMesh\n  snappyHexMesh -overwrite\n  checkMesh\n\n\
-             The mesh of the void then has these patches. Cells are halved {LEVEL} times at the bodies: see level in\n\
-             system/snappyHexMeshDict. Gaps narrower than such a cell are not meshed. controlDict, fvSchemes and\n\
-             fvSolution are a start for simpleFoam with laminar flow; properties of the fluid and the folder 0 are\n\
-             yours to add.\n"
+            "Surfaces of the void of a pack, in m (constant/triSurface), and a case of OpenFOAM around them.\n\n{list}\n{cyclic}\
+             With OpenFOAM in the shell, in this folder:\n\n  blockMesh\n  snappyHexMesh -overwrite\n  checkMesh\n  simpleFoam\n\n\
+             The mesh of the void has these patches. Cells are halved {LEVEL} times at the bodies: see level in\n\
+             system/snappyHexMeshDict. Gaps narrower than such a cell are not meshed.\n\n\
+             simpleFoam computes the steady laminar flow along z, of a superficial velocity of {} m/s and a kinematic\n\
+             viscosity of {} m2/s.\n{result}\n",
+            short_number(self.velocity),
+            short_number(self.viscosity)
         )
     }
 }

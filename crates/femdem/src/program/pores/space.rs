@@ -11,7 +11,7 @@ use femdem::scene::Length;
 use femdem::solve::Shape;
 use femdem::{NamedShape, Snapshot, results};
 
-use super::args::{Contacts, PoresArgs, SidesKind};
+use super::args::{Contacts, Fluid, PoresArgs, SidesKind};
 use crate::program::source::{self, Found, Origin};
 
 /// Defaults over the mean diameter.
@@ -136,6 +136,8 @@ pub(super) struct Space {
     /// The space of the surfaces.
     pub tube: Region,
     pub treatment: Option<Treated>,
+    /// What flows there.
+    pub fluid: Fluid,
 }
 
 impl Space {
@@ -223,6 +225,7 @@ impl Space {
             voxel,
             tube,
             treatment,
+            fluid: args.fluid(diameter)?,
         })
     }
 }

@@ -56,12 +56,14 @@ impl ShearEntry {
     }
 }
 
-/// What the two walls of a box across an axis do: exactly one of `stress` and `strain-rate`.
+/// What the two walls of a box across an axis do: exactly one of `stress`, `force` and `strain-rate`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct AxisEntry {
     /// Mean stress of the two walls on their present area, positive in compression \[Pa\].
     pub stress: Option<f64>,
+    /// Mean force of the two walls, positive in compression \[N\]; not in a periodic cell.
+    pub force: Option<f64>,
     /// Rate of the logarithmic strain, positive in compression \[1/s\].
     pub strain_rate: Option<f64>,
     /// Largest speed of each wall \[m/s\].
@@ -164,6 +166,10 @@ impl ControlEntry {
             let allowed = "for walls only: a periodic cell has no sides";
             return Err(wrong("control.sides", "given", allowed));
         }
+        if self.axes().any(|(_, axis)| axis.force.is_some()) {
+            let allowed = "for walls only: give a stress to a periodic cell";
+            return Err(wrong("force", "given", allowed));
+        }
         self.check_axes(self.shear.is_some() || self.axes().next().is_some())
     }
 
@@ -198,7 +204,8 @@ impl ControlEntry {
     /// The largest stress, where `area` is on what a force presses \[Pa\].
     pub(in crate::run) fn largest_stress(&self, area: f64) -> f64 {
         let of_axis = |(_, axis): (usize, &AxisEntry)| {
-            axis.stress.unwrap_or(0.0) * largest_factor(axis.table.as_ref())
+            let stress = axis.stress.or(axis.force.map(|force| force / area));
+            stress.unwrap_or(0.0) * largest_factor(axis.table.as_ref())
         };
         let axes = self.axes().map(of_axis).fold(0.0, f64::max);
         let pressed = self.force.map(|force| force / area).or(self.pressure);
@@ -215,17 +222,12 @@ impl ControlEntry {
 }
 
 impl AxisEntry {
-    /// The stress over time \[Pa\] and the limit of speed, or the rate of strain over time \[1/s\].
+    /// The stress \[Pa\] or force \[N\] over time and the limit of speed, or the rate of strain over time \[1/s\].
     pub(super) fn goal(&self) -> Result<(Curve, Option<f64>), Error> {
-        match (self.stress, self.strain_rate) {
-            (Some(stress), None) => {
-                let stress = compression("stress", stress)?;
-                Ok((
-                    curve(stress, pressing(self.table.as_ref())?)?,
-                    Some(speed(self.speed)?),
-                ))
-            }
-            (None, Some(rate)) => {
+        match (self.stress, self.force, self.strain_rate) {
+            (Some(stress), None, None) => self.pressing(compression("stress", stress)?),
+            (None, Some(force), None) => self.pressing(compression("force", force)?),
+            (None, None, Some(rate)) => {
                 if self.speed.is_some() {
                     let allowed = "for a stress only: a rate of strain has its speed";
                     return Err(wrong("speed", "given", allowed));
@@ -234,10 +236,15 @@ impl AxisEntry {
             }
             _ => Err(wrong(
                 "an axis of control",
-                "none or both of its kinds",
-                "give either stress or strain-rate",
+                "none or several of its kinds",
+                "give one of stress, force and strain-rate",
             )),
         }
+    }
+
+    fn pressing(&self, most: f64) -> Result<(Curve, Option<f64>), Error> {
+        let curve = curve(most, pressing(self.table.as_ref())?)?;
+        Ok((curve, Some(speed(self.speed)?)))
     }
 }
 

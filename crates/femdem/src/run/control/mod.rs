@@ -38,6 +38,8 @@ struct Group {
     /// Number of the cell and its axis.
     cell: Option<(usize, usize)>,
     walls: Vec<Sliding>,
+    /// Whether the goal is a stress, on the present area.
+    by_area: bool,
     /// The force \[N\], the stress of the cell \[Pa\] or its rate of strain \[1/s\] over time.
     goal: Curve,
     /// `None`: a rate of strain.
@@ -58,7 +60,7 @@ impl Group {
     /// What the group is to reach at a time: a force \[N\] or a rate.
     fn wanted(&self, sides: &[[f64; 3]], time: f64) -> f64 {
         let area = match self.cell {
-            Some((cell, axis)) if self.servo.is_some() => Cell::area(sides[cell], axis),
+            Some((cell, axis)) if self.by_area => Cell::area(sides[cell], axis),
             _ => 1.0,
         };
         self.goal.at(time) * area
@@ -183,6 +185,7 @@ impl Controls {
             self.groups.push(Group {
                 cell: None,
                 walls: walls.collect(),
+                by_area: false,
                 goal,
                 servo: Some(Servo::new(limit)?),
                 moved: 0.0,
@@ -233,14 +236,18 @@ impl Controls {
         Ok(())
     }
 
-    /// By how much the mean stress of the controlled walls of a cell across an axis misses the wanted one, over that; `None`
-    /// if none is wanted.
+    /// By how much the mean stress or force of the controlled walls of a cell across an axis misses the wanted one, over that;
+    /// `None` if none is wanted.
     fn stress_error(&self, cell: usize, axis: usize, world: &World) -> Option<f64> {
         let mut groups = self.groups.iter();
         let group =
             groups.find(|group| group.cell == Some((cell, axis)) && group.servo.is_some())?;
-        let sides = self.cells[cell].walls.sides(world);
-        let wanted = group.goal.at(world.time()) * Cell::area(sides, axis);
+        let sides: Vec<_> = self
+            .cells
+            .iter()
+            .map(|cell| cell.walls.sides(world))
+            .collect();
+        let wanted = group.wanted(&sides, world.time());
         (wanted > 0.0).then(|| group.push(world) / wanted - 1.0)
     }
 }
@@ -264,11 +271,11 @@ fn group_of(
     open: bool,
 ) -> Result<Group, Error> {
     let (goal, limit) = wanted.goal()?;
-    if open && limit.is_some() && axis != 2 {
+    if open && wanted.stress.is_some() && axis != 2 {
         return Err(wrong(
             "control",
             "a stress on sides of a box without a lid",
-            "a box with a lid (open = false), whose height is known, or a strain-rate",
+            "a box with a lid (open = false), whose height is known, or a force or strain-rate",
         ));
     }
     let sides: &[usize] = match wanted.sides {
@@ -290,6 +297,7 @@ fn group_of(
     Ok(Group {
         cell: Some((number, axis)),
         walls,
+        by_area: wanted.stress.is_some(),
         goal,
         servo: limit.map(Servo::new).transpose()?,
         moved: 0.0,

@@ -58,9 +58,13 @@ impl Run {
 
     /// Checks whether the motion is over, and with it the run if there is no relaxation.
     pub(super) fn look(&mut self) {
-        let Some(ending) = self.end_of_motion() else {
-            return;
-        };
+        if let Some(ending) = self.end_of_motion() {
+            self.end_motion(ending);
+        }
+    }
+
+    /// Ends the run or, where there is one, begins the relaxation.
+    pub(super) fn end_motion(&mut self, ending: Ending) {
         if self.scenario.relax.is_some() {
             self.relaxing = Some(Relaxing {
                 ending,

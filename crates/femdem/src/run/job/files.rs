@@ -3,12 +3,17 @@
 use std::fs;
 use std::path::Path;
 
+use femdem_mesh::Vector3;
 use femdem_view::ViewError;
 use femdem_view::output::{cracks, write_file, write_pvd_parts};
 use femdem_view::picture::PictureOptions;
 
 use super::tables::FRAMES;
-use crate::run::{Run, RunSummary, cells, history};
+use crate::run::until::Rows;
+use crate::run::{
+    ContactForces, ContactLine, Ending, MEMBER_COLUMNS, Run, RunSummary, Simulation,
+    WALL_HISTORY_COLUMNS, cells, history,
+};
 use crate::{Error, Usage};
 
 impl Run {
@@ -59,18 +64,17 @@ impl Run {
         Ok(summary)
     }
 
-    /// Writes the row and the frame if they are due; at the end both are.
+    /// Writes the row and the frame if they are due; at the end both are. A row may end the run.
     pub(super) fn write_due(&mut self, folder: &Path) -> Result<(), Error> {
-        let ended = self.ending.is_some();
         // The last step may be many intervals long, if the run is shorter than a step.
         let time = self.simulation.world.time().min(self.scenario.duration);
         let row = due(time, self.scenario.history_interval(), self.next_row);
-        if row.is_some() || ended {
+        if row.is_some() || self.ending.is_some() {
             self.next_row = row.unwrap_or(self.next_row);
             self.write_row();
         }
         let frame = due(time, self.scenario.frame_interval(), self.next_frame);
-        if frame.is_some() || ended {
+        if frame.is_some() || self.ending.is_some() {
             self.next_frame = frame.unwrap_or(self.next_frame);
             self.write_frame(folder)?;
             self.flush(folder)?;
@@ -89,23 +93,57 @@ impl Run {
         for (peak, force) in self.reaction_peaks.iter_mut().zip(&reactions) {
             peak.see(force, time);
         }
-        let row = history::history_row(&self.simulation, contacts.len(), &forces, &reactions);
-        self.history.row(row);
-        if self.scenario.moves_walls() {
-            for row in cells::wall_rows(&self.simulation, &forces) {
-                self.walls.row(row);
+        let rows = self.rows(&contacts, &forces, &reactions);
+        self.see(&rows);
+        self.history.row(rows.history);
+        let writes_walls = self.scenario.moves_walls();
+        let lists = [
+            (&mut self.walls, rows.walls, writes_walls),
+            (&mut self.cells, rows.cells, true),
+            (&mut self.flow, rows.flow, true),
+            (&mut self.members, rows.members, self.scenario.track),
+        ];
+        for (table, rows, writes) in lists {
+            for row in rows.into_iter().filter(|_| writes) {
+                table.row(row);
             }
         }
-        for row in cells::cell_rows(&self.simulation) {
-            self.cells.row(row);
+    }
+
+    /// The rows of now in all tables that are written or looked at.
+    fn rows(
+        &mut self,
+        contacts: &[ContactLine],
+        forces: &ContactForces,
+        reactions: &[Vector3],
+    ) -> Rows {
+        let (scenario, simulation) = (&self.scenario, &mut self.simulation);
+        let time = simulation.world.time();
+        let flow = simulation.flow.rows(time);
+        let walls = scenario.moves_walls() || scenario.looks_at(&WALL_HISTORY_COLUMNS);
+        let members = scenario.track || scenario.looks_at(&MEMBER_COLUMNS);
+        let of = |wanted: bool, rows: fn(&Simulation, &ContactForces) -> Vec<Vec<String>>| {
+            wanted.then(|| rows(simulation, forces)).unwrap_or_default()
+        };
+        Rows {
+            history: history::history_row(simulation, contacts.len(), forces, reactions),
+            walls: of(walls, cells::wall_rows),
+            cells: cells::cell_rows(simulation),
+            flow,
+            members: of(members, history::member_rows),
         }
-        for row in self.simulation.flow.rows(time) {
-            self.flow.row(row);
+    }
+
+    /// Ends the motion where a limit of the scene is passed. In the row of time 0 there are no forces yet.
+    fn see(&mut self, rows: &Rows) {
+        let time = self.simulation.world.time();
+        let over = self.ending.is_some() || self.relaxing.is_some() || time == 0.0;
+        if over || self.scenario.until.is_empty() {
+            return;
         }
-        if self.scenario.track {
-            for row in history::member_rows(&self.simulation, &forces) {
-                self.members.row(row);
-            }
+        let header = history::history_header(&self.simulation);
+        if self.until.look(&self.scenario.until, rows, &header, time) {
+            self.end_motion(Ending::Until);
         }
     }
 

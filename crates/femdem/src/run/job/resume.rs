@@ -3,7 +3,7 @@
 use super::super::changes::{Change, changes};
 use super::super::words::KEYS;
 use super::files::due;
-use super::{Relaxing, Run};
+use super::{Relaxing, Run, Until};
 use crate::Error;
 use crate::run::{RelaxSummary, Scenario, Simulation};
 use femdem_solve::{World, WorldParameters};
@@ -56,6 +56,7 @@ impl Run {
         scenario.check()?;
         scenario.check_relaxation(&self.simulation)?;
         scenario.check_sleep(&self.simulation)?;
+        scenario.check_until(&self.simulation)?;
         World::new(scenario.parameters()).map_err(|error| Error::from(error).by_keys(&KEYS))?;
         let step = self.time_step();
         if step > 0.0 {
@@ -93,6 +94,9 @@ impl Run {
             self.quiet_since = None;
             self.verifying = false;
         }
+        if old.until != new.until || goes_on {
+            self.until = Until::default();
+        }
         (self.ending, self.relaxing) = (ending, relaxing);
         self.scenario = scenario;
         Ok(changes.into_iter().map(|change| change.name).collect())
@@ -107,7 +111,7 @@ impl Run {
         let changed = |key: &str| changes.iter().any(|change| change.top == key);
         let (ending, relaxing) = (self.ending, self.relaxing);
         let moves_on = scene.duration > self.simulation.world.time();
-        if moves_on && (changed("duration") || changed("rest")) {
+        if moves_on && (changed("duration") || changed("rest") || changed("until")) {
             return Ok((None, None));
         }
         match (ending, relaxing, scene.relax) {
