@@ -214,6 +214,36 @@ fn a_pressed_body_becomes_deformable_and_breaks_where_a_breakable_one_does() {
     assert!((loads[1] / loads[0] - 1.0).abs() < 0.02, "{loads:?} {ucs}");
 }
 
+#[test]
+fn a_body_that_has_cracked_stays_breakable_and_so_do_its_fragments() {
+    let mut world = pressed(Kind::Adaptive, 2.0, 1.0);
+    while !is_cracked(&world) {
+        world.step().unwrap();
+        assert!(world.time() < 1e-3);
+    }
+    assert!(!world.is_adaptive(0));
+    assert_eq!(world.adaptive_bodies().count(), 0);
+    assert_eq!(world.take_fidelity_changes().len(), 1);
+    while world.deformable_count() < 2 {
+        world.step().unwrap();
+        world.fragment_bodies().unwrap();
+        assert!(world.time() < 2e-3);
+    }
+    let count = world.deformable_count();
+    world.drive_wall(1, pressing(-1.0, 1.0)).unwrap();
+    let drag = 2e4;
+    let medium = femdem_solve::Medium {
+        drag,
+        ..Default::default()
+    };
+    world.set_medium(medium).unwrap();
+    for _ in 0..2000 {
+        world.step().unwrap();
+    }
+    assert_eq!(world.take_fidelity_changes(), []);
+    assert_eq!(world.deformable_count(), count);
+}
+
 /// Two cubes meet off their centres, and become deformable one after the other.
 #[test]
 fn momentum_stays_and_the_books_close_when_bodies_change() {

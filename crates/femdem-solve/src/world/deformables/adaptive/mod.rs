@@ -1,10 +1,10 @@
 //! Bodies that are rigid as long as their stresses are far below their strength, and deformable near it.
 //!
-//! A rigid body is looked at every few steps. By the [basis] of its model, which says how much of the strength a unit force uses at most, the
-//! change of its contact forces since the last static solve bounds what they use now; only where that bound is near the strength are its
+//! A rigid body is looked at every few steps. By the [basis] of its model, which says how much of the strength a unit force uses, the
+//! change of its contact forces since the last static solve tells about what they use now; only where that is near the strength are its
 //! stresses [found again](looks). If they are near it too, the body [becomes deformable](soften): in the place in which it is, and such that its
 //! contacts have the forces that they had and its elements balance them. A deformable body that has not cracked, is [at rest](looks) within
-//! itself and far from its strength [becomes rigid](harden) as it is. Both keep mass, momentum and angular momentum; the
+//! itself and far from its strength [becomes rigid](harden) as it is. One that has cracked is breakable for good. Both changes keep mass, momentum and angular momentum; the
 //! energy that comes or goes has its own entry in the ledger.
 
 mod basis;
@@ -45,7 +45,7 @@ pub(crate) struct Adaptives {
     bodies: BTreeMap<BodyId, AdaptiveBody>,
     /// Changes that the host has not taken yet.
     changes: Vec<FidelityChange>,
-    /// By model; made when they are needed first.
+    /// By model; made when they are needed first. A model has one strength.
     #[serde(skip)]
     bases: BTreeMap<ModelId, Basis>,
 }
@@ -70,7 +70,8 @@ impl World {
     /// small and it has not cracked. Its shape has to be of a mesh with [`Field::Body`], its model of the same mesh with
     /// [`ContactStiffness::Law`](crate::ContactStiffness::Law), so that its contacts are the same in both states.
     ///
-    /// It is deformable from 0.7 of its strength on. What it is and when are functions of the state alone.
+    /// It is deformable from 0.7 of its strength on, and no longer adaptive once it has cracked. What it is and when are functions of the
+    /// state alone.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown rigid body or model, [`SolveError::CannotAdapt`] for one that cannot change and in a world in which

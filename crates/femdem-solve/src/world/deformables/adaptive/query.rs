@@ -39,7 +39,7 @@ impl World {
         adaptives.map_or_else(Vec::new, |all| std::mem::take(&mut all.changes))
     }
 
-    /// The adaptive bodies, ascending, with what they are now. Fragments of them are none.
+    /// The adaptive bodies, ascending, with what they are now. One that has cracked is none any more, nor are its fragments.
     pub fn adaptive_bodies(&self) -> impl Iterator<Item = (BodyId, Fidelity)> {
         let all = self.adaptives.iter().flat_map(|all| all.bodies.keys());
         all.map(|&id| {
@@ -93,7 +93,7 @@ impl World {
         }
     }
 
-    /// Forgets a body that is removed.
+    /// Forgets a body that is removed, or has cracked.
     pub(in crate::world) fn forget_adaptive(&mut self, id: BodyId) {
         if let Some(adaptives) = self.adaptives.as_deref_mut() {
             adaptives.bodies.remove(&id);
