@@ -16,7 +16,7 @@ const MOST_POINTS: usize = 64;
 #[derive(Debug, Clone)]
 pub(super) struct Basis {
     free: Arc<FreeBody>,
-    /// Largest ratio of stress to strength under a force of 1 N on a point of the skin, 1/N.
+    /// Largest ratio of stress to strength under a force of 1 N on one of [`MOST_POINTS`] nodes of the skin, 1/N.
     pub unit: f64,
 }
 
