@@ -10,7 +10,7 @@ use crate::world::deformables::add::{held_energy, inverse_masses};
 use crate::world::deformables::each::on_each_with;
 use crate::world::deformables::nodal_bound::NodalBound;
 use crate::world::deformables::rest::Rest;
-use crate::world::deformables::{ContactStiffness, Deformables, Model, Scratch, State, foundation};
+use crate::world::deformables::{Deformables, Model, Scratch, State, foundation};
 use femdem_contact::deform::{Modulus, NodalLoads};
 use femdem_contact::glue::{GlueLaw, GluedFacet};
 use femdem_contact::{BodyId, ContactBatch};
@@ -84,18 +84,10 @@ impl World {
             return self.reshape_cracked(id);
         }
         let shape = Arc::clone(&self.batch.deformable_shapes()[number as usize]);
-        let stiffness = match (old.stiffness, self.batch.modulus(id)) {
-            // The stiffness over depth stays.
-            (ContactStiffness::Law, Some(modulus)) => {
-                let ratio = foundation(&shape, modulus) * shape.edge() / old.young;
-                ContactStiffness::Ratio(ratio)
-            }
-            (given, _) => given,
-        };
         let new = Model {
             name: old.name.clone(),
             model: cracked,
-            stiffness,
+            stiffness: old.stiffness,
             field: old.field,
             young: old.young,
             edge: Some(shape.edge()),
