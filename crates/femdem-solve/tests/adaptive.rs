@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
-use femdem_contact::{BodyId, ContactParameters, Field, Wall, WallResponse};
+use femdem_contact::{BodyId, Contact, ContactParameters, Field, Partner, Wall, WallResponse};
 use femdem_fem::element::Element;
 use femdem_fem::fracture::Strength;
 use femdem_fem::material::NeoHookean;
@@ -244,6 +244,48 @@ fn a_body_that_has_cracked_stays_breakable_and_so_do_its_fragments() {
     assert_eq!(world.deformable_count(), count);
 }
 
+/// A larger rigid body presses it, whose field is twice as deep.
+#[test]
+fn no_contact_force_jumps_when_a_body_cracks_under_one_of_another_size() {
+    let mut world = world(0.0);
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let small = add(
+        &mut world,
+        Kind::Adaptive,
+        Pose::translation(0.0, 0.0, 0.5 * SIDE),
+    );
+    let points = cube().points().iter().map(|x| x * 2.0).collect();
+    let large = TetMesh::new(points, cube().tets().to_vec()).unwrap();
+    let shape = world
+        .add_mesh_shape("large", &large.surface().unwrap(), &large, Field::Body)
+        .unwrap();
+    let pose = Pose::translation(0.0, 0.0, 2.0 * SIDE);
+    let large = world
+        .add_body(BodySpec::at_rest(shape, DENSITY, pose))
+        .unwrap();
+    world.drive_body(large, Some(pressing(0.2, 1.0))).unwrap();
+    let pressed = |world: &World| {
+        let of_large = |contact: &Contact| contact.has_side(Partner::Body(large));
+        let contacts = world.contacts();
+        let own = contacts.iter().filter(|contact| of_large(contact));
+        own.map(|contact| contact.force_on_b())
+            .sum::<Vector3>()
+            .norm()
+    };
+    let change = until_changed(&mut world, 40_000);
+    assert_eq!((change.body, change.to), (small, Fidelity::Deformable));
+    let mut before = pressed(&world);
+    while world.is_adaptive(small) {
+        before = pressed(&world);
+        world.step().unwrap();
+        assert!(world.time() < 1e-2);
+    }
+    let after = pressed(&world);
+    assert!(before > 1e3, "{before}");
+    assert!((after / before - 1.0).abs() < 0.01, "{before} {after}");
+}
+
 /// Two cubes meet off their centres, and become deformable one after the other.
 #[test]
 fn momentum_stays_and_the_books_close_when_bodies_change() {
@@ -401,6 +443,35 @@ fn what_cannot_change_is_refused_by_name() {
         torque: Vector3::x(),
     };
     refused(world.set_load(id, torque), "torque");
+    let turned = BodySpec::at_rest(0, DENSITY, Pose::translation(3.0, 0.0, 0.0));
+    let turned = world.add_body(turned).unwrap();
+    world.set_load(turned, torque).unwrap();
+    refused(world.set_adaptive(turned, adaptive), "torque");
+    world
+        .set_load(turned, femdem_contact::Wrench::default())
+        .unwrap();
+    let weaker = Adaptive {
+        fracture: Fracture::new(Strength::new(4e6, 16e6, 0.6).unwrap(), [40.0, 200.0]),
+        ..adaptive
+    };
+    refused(world.set_adaptive(turned, weaker), "strength");
+    let own = world.add_model("own", model(), ContactStiffness::Ratio(1.0));
+    let own = Adaptive {
+        model: own.unwrap(),
+        ..adaptive
+    };
+    refused(world.set_adaptive(turned, own), "stiffness of the law");
+    let relaxation = femdem_solve::WorldRelaxation::default();
+    refused(world.relax(&relaxation).map(|_| ()), "a relaxation");
+    // Another material has a law with another penalty.
+    let other = ContactParameters {
+        penalty: 2.0 * PENALTY,
+        ..world.parameters().contact
+    };
+    let [first, second] = [0, 1].map(femdem_contact::MaterialId);
+    refused(world.set_law(first, second, other), "penalty");
+    world.set_law(second, second, other).unwrap();
+    refused(world.set_material(id, second), "penalty");
     assert!(world.is_adaptive(id) && !world.is_adaptive(ball));
     world.remove_body(id).unwrap();
     assert_eq!(world.adaptive_bodies().count(), 0);

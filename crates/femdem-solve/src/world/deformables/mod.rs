@@ -26,6 +26,7 @@ use nodal_bound::NodalBound;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use adaptive::Adaptives;
+pub(super) use adaptive::check_laws;
 pub use adaptive::{Adaptive, Fidelity, FidelityChange};
 pub(super) use add::centroid;
 pub use fracture::{CrackFacet, Cracks, Fragmentation};

@@ -15,13 +15,13 @@ mod query;
 mod soften;
 mod spin;
 
-use super::ModelId;
 use super::fracture::Breakable;
+use super::{ContactStiffness, ModelId};
 use crate::error::SolveError;
 use crate::fracture::Fracture;
 use crate::world::World;
 use basis::Basis;
-use femdem_contact::{BodyId, ContactLaws, ContactParameters, Field, MaterialId, WallResponse};
+use femdem_contact::{BodyId, ContactLaws, Field, MaterialId, WallResponse};
 use femdem_fem::DeformableModel;
 use looks::Screen;
 use serde::{Deserialize, Serialize};
@@ -89,7 +89,14 @@ impl World {
             });
         };
         self.refuse_to_adapt(id, &model.model)?;
+        if !matches!(model.stiffness, ContactStiffness::Law) {
+            return Err(SolveError::CannotAdapt {
+                needs: "a model whose contacts have the stiffness of the law",
+                found: "one with its own",
+            });
+        }
         model.may_crack(&adaptive.fracture)?;
+        self.refuse_other_strength(id, &adaptive)?;
         let factors = Breakable::factors(model.model.mesh(), &adaptive.fracture, id);
         let body = AdaptiveBody {
             adaptive,
@@ -101,7 +108,30 @@ impl World {
         };
         self.bodies[i].quiet_steps = 0;
         let adaptives = self.adaptives.get_or_insert_default();
+        let of_model = |own: &AdaptiveBody| own.adaptive.model == adaptive.model;
+        if !adaptives.bodies.values().any(of_model) {
+            // That of bodies that are no more may be of another strength.
+            adaptives.bases.remove(&adaptive.model);
+        }
         adaptives.bodies.insert(id, body);
+        Ok(())
+    }
+
+    /// Refuses a body of another strength than those of its model: they share what a unit force uses.
+    fn refuse_other_strength(&self, id: BodyId, new: &Adaptive) -> Result<(), SolveError> {
+        let all = self.adaptives.iter().flat_map(|all| &all.bodies);
+        let mut others = all
+            .filter(|(other, _)| **other != id)
+            .map(|(_, own)| own.adaptive);
+        let differs = |own: Adaptive| {
+            own.model == new.model && own.fracture.strength != new.fracture.strength
+        };
+        if others.any(differs) {
+            return Err(SolveError::CannotAdapt {
+                needs: "the strength of the other bodies of its model",
+                found: "another one",
+            });
+        }
         Ok(())
     }
 
@@ -135,6 +165,11 @@ impl World {
                 "a scaled mass",
             ),
             (
+                body.turns_by_load(),
+                "loads without a torque",
+                "a torque, or a load that turns with it",
+            ),
+            (
                 body.driven.is_some(),
                 "to move freely",
                 "a prescribed motion",
@@ -162,7 +197,7 @@ impl World {
             }
         }
         let material = self.batch.material(id).unwrap_or_default();
-        check_laws(self.batch.laws().of(material))
+        check_laws(self.batch.laws(), material)
     }
 
     /// Refuses laws that change when an adaptive body does.
@@ -174,12 +209,24 @@ impl World {
         let ids = adaptives.into_iter().flat_map(|all| all.bodies.keys());
         let materials: BTreeSet<MaterialId> =
             ids.filter_map(|id| self.batch.material(*id)).collect();
-        materials.iter().try_for_each(|m| check_laws(laws.of(*m)))
+        materials.iter().try_for_each(|m| check_laws(laws, *m))
     }
 }
 
-fn check_laws<'a>(laws: impl Iterator<Item = &'a ContactParameters>) -> Result<(), SolveError> {
-    for law in laws {
+/// Refuses laws of a material that give other forces to a deformable body than to a rigid one.
+pub(in crate::world) fn check_laws(
+    laws: &ContactLaws,
+    material: MaterialId,
+) -> Result<(), SolveError> {
+    let own = laws.between([material; 2]).penalty;
+    for law in laws.of(material) {
+        if law.penalty != own {
+            let needs = "one penalty in all laws of its material, by which it has the same contacts when it is deformable";
+            return Err(SolveError::CannotAdapt {
+                needs,
+                found: "a pair of materials with another penalty",
+            });
+        }
         if law.attracts() {
             let (needs, found) = ("contacts that only press", "contacts that attract");
             return Err(SolveError::CannotAdapt { needs, found });
