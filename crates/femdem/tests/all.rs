@@ -13,6 +13,7 @@ mod report;
 mod resolve;
 mod resume;
 mod run;
+mod scene_adaptive;
 mod scene_bonds;
 mod scene_cases;
 mod scene_cell;

@@ -8,10 +8,11 @@ use femdem_mesh::{Pose, TetMesh};
 use femdem_solve::{Adaptive, BodySpec, ContactStiffness, Fidelity};
 use femdem_view::output::csv::quoted;
 
+use super::build::check_ratio;
 use super::fidelity::FidelitySummary;
 use super::history::number;
 use super::places::Place;
-use super::{Behaviour, BodyEntry, Scenario, Simulation};
+use super::{Behaviour, BodyEntry, Member, Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
 
@@ -64,6 +65,8 @@ impl Simulation {
         let regions = vec![MaterialRegion { density, ..region }];
         let model = DeformableModel::new(mesh, entry.element, regions, None)?;
         let material = scenario.material_id(&entry.material)?;
+        let ratio = scenario.contact_ratio(entry);
+        check_ratio(ratio)?;
         let Some(fracture) = scenario.fracture_of(entry)? else {
             return Ok(Vec::new());
         };
@@ -82,14 +85,15 @@ impl Simulation {
                 material,
             })?;
             self.world.set_adaptive(id, Adaptive { model, fracture })?;
+            self.fidelity.bodies += 1;
             ids.push((id, place.pose));
         }
         Ok(ids)
     }
 
-    /// Whether there are adaptive bodies.
+    /// Whether the scene has adaptive bodies.
     pub(super) fn has_adaptive(&self) -> bool {
-        self.world.adaptive_bodies().next().is_some()
+        self.fidelity.bodies > 0
     }
 
     /// Whether there are, or may be, deformable bodies.
@@ -97,10 +101,19 @@ impl Simulation {
         self.world.deformable_count() > 0 || self.has_adaptive()
     }
 
-    /// Adaptive bodies that are rigid now.
-    pub(super) fn adaptive_rigid_count(&self) -> usize {
-        let all = self.world.adaptive_bodies();
-        all.filter(|(_, now)| *now == Fidelity::Rigid).count()
+    /// Adaptive bodies that are rigid now, with their numbers among the members and their tetrahedra.
+    pub(super) fn adaptive_rigid(&self) -> impl Iterator<Item = (usize, &Member, &TetMesh)> {
+        let members = self.members.iter().enumerate();
+        members
+            .filter_map(|(number, member)| Some((number, member, self.adaptive_mesh(member.id)?)))
+    }
+
+    /// The tetrahedra of an adaptive body that is rigid now.
+    pub(super) fn adaptive_mesh(&self, id: BodyId) -> Option<&TetMesh> {
+        let shape = self.world.shape_of(id)?;
+        let is_adaptive = self.world.is_adaptive(id);
+        let mesh = self.world.shape(shape)?.mesh.as_ref();
+        mesh.filter(|_| is_adaptive).map(|(mesh, _)| mesh)
     }
 
     /// Notes which adaptive bodies have changed in the last step.
@@ -129,7 +142,7 @@ impl Simulation {
     /// The adaptive bodies in numbers; `None` without any.
     #[must_use]
     pub fn fidelity_summary(&self) -> Option<FidelitySummary> {
-        let bodies = self.world.adaptive_bodies().count();
+        let bodies = self.fidelity.bodies;
         let changes = || self.fidelity.changes.iter().map(|(_, change)| change);
         let to = |kind: Fidelity| changes().filter(move |change| change.to == kind);
         let highest = to(Fidelity::Deformable).map(|change| change.ratio);

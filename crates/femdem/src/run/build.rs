@@ -460,10 +460,7 @@ impl Simulation {
         }
         let supports = entry.supports(self.members.len(), &model, radius)?;
         let ratio = scenario.contact_ratio(entry);
-        if !(ratio > 0.0 && ratio.is_finite()) {
-            let allowed = "a positive, finite number: κ h/E";
-            return Err(wrong("contact-ratio", &ratio.to_string(), allowed));
-        }
+        check_ratio(ratio)?;
         let stiffness = ContactStiffness::Ratio(ratio);
         let fracture = scenario.fracture_of(entry)?;
         let model = self.world.add_model(name, model, stiffness)?;
@@ -535,4 +532,13 @@ impl Simulation {
             .enumerate()
             .filter_map(|(i, member)| Some((i, member, self.world.deformable(member.id)?)))
     }
+}
+
+/// Refuses a contact stiffness that is none.
+pub(super) fn check_ratio(ratio: f64) -> Result<(), Error> {
+    if ratio > 0.0 && ratio.is_finite() {
+        return Ok(());
+    }
+    let allowed = "a positive, finite number: κ h/E";
+    Err(wrong("contact-ratio", &ratio.to_string(), allowed))
 }

@@ -8,8 +8,8 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    BondSummary, CellState, Ending, FidelitySummary, FlowSummary, FractureSummary, Penalty, Reached,
-    RelaxSummary, RestSummary, Run, Side,
+    BondSummary, CellState, Ending, FidelitySummary, FlowSummary, FractureSummary, Penalty,
+    Reached, RelaxSummary, RestSummary, Run, Side,
 };
 use crate::{Error, Usage};
 
