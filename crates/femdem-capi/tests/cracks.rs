@@ -49,16 +49,16 @@ fn a_bar_breaks_at_its_strength_and_its_halves_go_on() {
     let pull = drive(FEMDEM_DRIVE_LINEAR, [0.1, 0.0, 0.0]);
     drive_nodes(world, bar, &ends(0.1), axes, pull);
     let none = FemdemCrack::default();
-    // SAFETY: lists and rooms of `all` fit.
     let cracks = || {
-        all(none, |to, room, count| unsafe {
-            femdem_world_cracks(world, bar, to, room, count)
+        all(none, |to, room, count| {
+            // SAFETY: lists and rooms of `all` fit.
+            unsafe { femdem_world_cracks(world, bar, to, room, count) }
         })
     };
-    // SAFETY: lists and rooms of `all` fit.
     let fragments = || {
-        all(0, |to, room, count| unsafe {
-            femdem_world_fragments(world, bar, to, room, count)
+        all(0, |to, room, count| {
+            // SAFETY: lists and rooms of `all` fit.
+            unsafe { femdem_world_fragments(world, bar, to, room, count) }
         })
     };
     assert_eq!((cracks().len(), fragments()), (0, vec![0; tets]));
@@ -82,10 +82,10 @@ fn a_bar_breaks_at_its_strength_and_its_halves_go_on() {
     ok(femdem_world_release(world, bar));
     ok(femdem_world_step(world, 1));
     let count = got(|to| femdem_world_fragment_bodies(world, to));
-    // SAFETY: lists and rooms of `all` fit.
     let new = || {
-        all(FemdemFragment::default(), |to, room, count| unsafe {
-            femdem_world_new_fragments(world, to, room, count)
+        all(FemdemFragment::default(), |to, room, count| {
+            // SAFETY: lists and rooms of `all` fit.
+            unsafe { femdem_world_new_fragments(world, to, room, count) }
         })
     };
     let bodies = new();
