@@ -136,13 +136,13 @@ mod tests {
     #[test]
     fn a_wall_presses_with_its_force_until_it_is_released() {
         let (mut world, mut controls, lid) = pressed();
-        while world.time() < 0.8 {
+        while world.time() < 6.0 {
             controls.step(&mut world).unwrap();
         }
         let force = |world: &World, wall| world.wall_load(wall).unwrap().total.force.z;
-        // The last hundredths of the force come slowly on a ball.
+        // A ball stiffens as it is pressed, and the last hundredth of the force takes the servo a thousand steps.
         let [above, below] = [force(&world, lid), force(&world, 0)];
-        assert!((above / 20.0 - 1.0).abs() < 0.02, "{above} {below}");
+        assert!((above / 20.0 - 1.0).abs() < 2e-3, "{above} {below}");
         assert!((below / -above - 1.0).abs() < 1e-5, "{above} {below}");
         controls.release(lid, &mut world).unwrap();
         assert!(controls.is_empty());
