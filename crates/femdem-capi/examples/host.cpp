@@ -1,5 +1,5 @@
-// The three layers from C++: a pair, 500 bodies with the host's own integrator, a world, bonds. Numbers are checked; the program ends
-// with 1 if one is wrong.
+// The three layers from C++: a pair, 500 bodies with the host's own integrator, worlds of rigid, bonded and deformable bodies.
+// Numbers are checked; the program ends with 1 if one is wrong.
 #include <femdem.hpp>
 
 #include <algorithm>
@@ -131,6 +131,35 @@ void bond() {
     std::printf("bond: %.3f N\n", -bond.force[2]);
 }
 
+// A rubber cube stands on a floor.
+void deformable() {
+    femdem::World world(femdem::default_parameters());
+    world.add_plane({{0, 0, 1}, 0});
+    FemdemMatter rubber = femdem::default_matter();
+    rubber.young = 2e5;
+    rubber.shear_viscosity = 50.0;
+    femdem::Shape cube("cube", 0.1 * std::sqrt(3.0));
+    uint32_t model = world.add_model(cube, 0.4, rubber);
+    uint32_t body = world.add_deformable(model, {femdem::at(0, 0, 0.0501), {}});
+    world.step_until(0.4);
+    FemdemDeformable state = world.deformable(body);
+    const double weight = 9.81 * state.mass;
+    FemdemLoad load;
+    femdem::check(femdem_world_wall_load(world, 0, &load));
+    expect(std::abs(state.mass / 1.1 - 1.0) < 1e-9, "mass of the cube");
+    expect(std::abs(load.force[2] / -weight - 1.0) < 0.03, "the floor bears the cube");
+    double sum = 0;
+    std::vector<double> stresses = world.stresses(body);
+    for (std::size_t k = 2; k < stresses.size(); k += 6) {
+        sum += stresses[k];
+    }
+    // Half of the weight over the face.
+    const double mean = sum / (stresses.size() / 6.0);
+    expect(std::abs(mean / (-0.5 * weight / 0.01) - 1.0) < 0.1, "mean stress of the cube");
+    expect(world.node_positions(body).size() == 3 * state.node_count, "nodes of the cube");
+    std::printf("deformable: %.2f N on the floor, mean stress %.0f Pa\n", -load.force[2], mean);
+}
+
 // What is wrong is an exception with words.
 void refusals() {
     try {
@@ -157,6 +186,7 @@ int main() {
         batch();
         world();
         bond();
+        deformable();
         refusals();
     } catch (const std::exception &error) {
         std::fprintf(stderr, "%s\n", error.what());

@@ -5,10 +5,22 @@ module femdem
   implicit none
   public
 
-  integer(c_int32_t), parameter :: FEMDEM_ABI_VERSION = 2
+  integer(c_int32_t), parameter :: FEMDEM_ABI_VERSION = 3
+  integer(c_int32_t), parameter :: FEMDEM_MATTER_NEO_HOOKEAN = 0
+  integer(c_int32_t), parameter :: FEMDEM_MATTER_HENCKY = 1
+  integer(c_int32_t), parameter :: FEMDEM_MATTER_MOONEY_RIVLIN = 2
+  integer(c_int32_t), parameter :: FEMDEM_MATTER_J2 = 3
+  integer(c_int32_t), parameter :: FEMDEM_MATTER_DRUCKER_PRAGER = 4
+  integer(c_int32_t), parameter :: FEMDEM_ELEMENT_T4 = 0
+  integer(c_int32_t), parameter :: FEMDEM_ELEMENT_T4_NODAL_PRESSURE = 1
+  integer(c_int32_t), parameter :: FEMDEM_ELEMENT_T10 = 2
+  integer(c_int32_t), parameter :: FEMDEM_ELEMENT_T10_FBAR = 3
   integer(c_int32_t), parameter :: FEMDEM_SOFTENING_LINEAR = 0
   integer(c_int32_t), parameter :: FEMDEM_SOFTENING_EXPONENTIAL = 1
   integer(c_int32_t), parameter :: FEMDEM_SOFTENING_BILINEAR = 2
+  integer(c_int32_t), parameter :: FEMDEM_AXIS_X = 1
+  integer(c_int32_t), parameter :: FEMDEM_AXIS_Y = 2
+  integer(c_int32_t), parameter :: FEMDEM_AXIS_Z = 4
   integer(c_int32_t), parameter :: FEMDEM_DRIVE_FIXED = 0
   integer(c_int32_t), parameter :: FEMDEM_DRIVE_LINEAR = 1
   integer(c_int32_t), parameter :: FEMDEM_DRIVE_SHAKE = 2
@@ -110,6 +122,42 @@ module femdem
     integer(c_int64_t) :: id = 0
   end type
 
+  type, bind(c) :: femdem_matter_t
+    real(c_double) :: density = 0d0
+    real(c_double) :: young = 0d0
+    real(c_double) :: poisson = 0d0
+    real(c_double) :: shear_viscosity = 0d0
+    real(c_double) :: bulk_viscosity = 0d0
+    real(c_double) :: contact_ratio = 0d0
+    real(c_double) :: share = 0d0
+    real(c_double) :: yield_stress = 0d0
+    real(c_double) :: hardening = 0d0
+    real(c_double) :: saturation_stress = 0d0
+    real(c_double) :: saturation_rate = 0d0
+    real(c_double) :: cohesion = 0d0
+    real(c_double) :: friction_angle = 0d0
+    real(c_double) :: dilatancy_angle = 0d0
+    integer(c_int32_t) :: law = 0
+    integer(c_int32_t) :: element = 0
+  end type
+
+  type, bind(c) :: femdem_fracture_t
+    real(c_double) :: tensile = 0d0
+    real(c_double) :: cohesion = 0d0
+    real(c_double) :: friction_angle = 0d0
+    real(c_double) :: opening_energy = 0d0
+    real(c_double) :: sliding_energy = 0d0
+    real(c_double) :: mix = 0d0
+    real(c_double) :: stiffness = 0d0
+    real(c_double) :: weibull_modulus = 0d0
+    real(c_double) :: weibull_volume = 0d0
+    integer(c_int64_t) :: weibull_seed = 0
+    integer(c_int32_t) :: every = 0
+    integer(c_int32_t) :: softening = 0
+    integer(c_int32_t) :: coarse = 0
+    integer(c_int32_t) :: pieces = 0
+  end type
+
   type, bind(c) :: femdem_pair_t
     type(femdem_load_t) :: on_a
     type(femdem_load_t) :: on_b
@@ -162,6 +210,27 @@ module femdem
     real(c_double) :: broken_at = 0d0
   end type
 
+  type, bind(c) :: femdem_matrix_t
+    real(c_double) :: rows(9) = 0d0
+  end type
+
+  type, bind(c) :: femdem_crack_t
+    integer(c_int64_t) :: tets(2) = 0
+    real(c_double) :: corners(9) = 0d0
+    real(c_double) :: opening = 0d0
+    real(c_double) :: slip = 0d0
+    real(c_double) :: damage = 0d0
+    real(c_double) :: birth = 0d0
+    real(c_double) :: broken_at = 0d0
+    real(c_double) :: dissipated = 0d0
+    integer(c_int32_t) :: sheared = 0
+  end type
+
+  type, bind(c) :: femdem_fragment_t
+    integer(c_int32_t) :: body = 0
+    integer(c_int32_t) :: of = 0
+  end type
+
   type, bind(c) :: femdem_drive_t
     integer(c_int32_t) :: kind = 0
     integer(c_int32_t) :: periods = 0
@@ -171,6 +240,20 @@ module femdem
     real(c_double) :: frequency = 0d0
     real(c_double) :: start = 0d0
     real(c_double) :: end = 0d0
+  end type
+
+  type, bind(c) :: femdem_deformable_t
+    real(c_double) :: mass = 0d0
+    real(c_double) :: centroid(3) = 0d0
+    real(c_double) :: velocity(3) = 0d0
+    real(c_double) :: kinetic_energy = 0d0
+    real(c_double) :: strain_energy = 0d0
+    integer(c_size_t) :: node_count = 0
+    integer(c_size_t) :: tet_count = 0
+    integer(c_size_t) :: triangle_count = 0
+    integer(c_int32_t) :: model = 0
+    integer(c_int32_t) :: breakable = 0
+    integer(c_int32_t) :: asleep = 0
   end type
 
   type, bind(c) :: femdem_world_parameters_t
@@ -193,6 +276,7 @@ module femdem
     real(c_double) :: residual = 0d0
     integer(c_int64_t) :: steps = 0
     integer(c_size_t) :: body_count = 0
+    integer(c_size_t) :: deformable_count = 0
     integer(c_size_t) :: awake_count = 0
     integer(c_size_t) :: wall_count = 0
   end type
@@ -202,12 +286,26 @@ module femdem
     real(c_double) :: by_hand = 0d0
     real(c_double) :: work_in = 0d0
     real(c_double) :: load_work = 0d0
+    real(c_double) :: lent = 0d0
     real(c_double) :: kinetic = 0d0
     real(c_double) :: potential = 0d0
     real(c_double) :: elastic = 0d0
+    real(c_double) :: strain = 0d0
     real(c_double) :: friction_springs = 0d0
+    real(c_double) :: cracks = 0d0
+    real(c_double) :: bonds = 0d0
     real(c_double) :: dissipated_friction = 0d0
     real(c_double) :: dissipated_damping = 0d0
+    real(c_double) :: dissipated_medium = 0d0
+    real(c_double) :: dissipated_viscous = 0d0
+    real(c_double) :: dissipated_plastic = 0d0
+    real(c_double) :: dissipated_bridges = 0d0
+    real(c_double) :: dissipated_fracture = 0d0
+    real(c_double) :: dissipated_bonds = 0d0
+    real(c_double) :: dissipated_release = 0d0
+    real(c_double) :: dissipated_step = 0d0
+    real(c_double) :: frozen = 0d0
+    real(c_double) :: exchanged = 0d0
     real(c_double) :: dissipated = 0d0
     real(c_double) :: error = 0d0
     real(c_double) :: error_relative = 0d0
@@ -423,6 +521,20 @@ module femdem
       integer(c_int) :: answer
     end function
 
+    function femdem_matter_default(matter) &
+        bind(c) result(answer)
+      import
+      type(femdem_matter_t), intent(out) :: matter
+      integer(c_int) :: answer
+    end function
+
+    function femdem_fracture_default(fracture) &
+        bind(c) result(answer)
+      import
+      type(femdem_fracture_t), intent(out) :: fracture
+      integer(c_int) :: answer
+    end function
+
     function femdem_pair_evaluate(penalty, a, pose_a, b, pose_b, pair) &
         bind(c) result(answer)
       import
@@ -584,6 +696,136 @@ module femdem
       integer(c_int) :: answer
     end function
 
+    function femdem_world_set_cell(world, x, y, z) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      real(c_double), value :: x
+      real(c_double), value :: y
+      real(c_double), value :: z
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_deform_cell(world, rates) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      type(femdem_matrix_t), intent(in) :: rates
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_cell(world, edges) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      type(femdem_matrix_t), intent(out) :: edges
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_cell_stress(world, stress) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      type(femdem_matrix_t), intent(out) :: stress
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_cracks(world, body, cracks, room, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      type(femdem_crack_t), intent(inout) :: cracks(*)
+      integer(c_size_t), value :: room
+      integer(c_size_t), intent(out) :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_fragments(world, body, fragments, room, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      integer(c_int32_t), intent(inout) :: fragments(*)
+      integer(c_size_t), value :: room
+      integer(c_size_t), intent(out) :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_fragment_bodies(world, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_size_t), intent(out) :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_new_fragments(world, fragments, room, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      type(femdem_fragment_t), intent(inout) :: fragments(*)
+      integer(c_size_t), value :: room
+      integer(c_size_t), intent(out) :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_add_model(world, points, point_count, tets, tet_count, matter, model) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: point_count
+      integer(c_int32_t), intent(in) :: tets(*)
+      integer(c_size_t), value :: tet_count
+      type(femdem_matter_t), intent(in) :: matter
+      integer(c_int32_t), intent(out) :: model
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_add_model_of_shape(world, shape, mesh_size, matter, model) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      type(femdem_shape_t), value :: shape
+      real(c_double), value :: mesh_size
+      type(femdem_matter_t), intent(in) :: matter
+      integer(c_int32_t), intent(out) :: model
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_add_deformable(world, model, motion, fracture, material_id, body) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: model
+      type(femdem_motion_t), intent(in) :: motion
+      type(femdem_fracture_t), intent(in), optional :: fracture
+      integer(c_int32_t), value :: material_id
+      integer(c_int32_t), intent(out) :: body
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_drive_nodes(world, body, nodes, node_count, axes, drive) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      integer(c_int32_t), intent(in) :: nodes(*)
+      integer(c_size_t), value :: node_count
+      integer(c_int32_t), value :: axes
+      type(femdem_drive_t), intent(in) :: drive
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_release(world, body) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      integer(c_int) :: answer
+    end function
+
     function femdem_world_drive_wall(world, wall, drive) &
         bind(c) result(answer)
       import
@@ -677,6 +919,75 @@ module femdem
       import
       type(femdem_world_t), value :: world
       integer(c_int32_t), value :: wall
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_deformables(world, bodies, room, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), intent(inout) :: bodies(*)
+      integer(c_size_t), value :: room
+      integer(c_size_t), intent(out) :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_deformable(world, body, deformable) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      type(femdem_deformable_t), intent(out) :: deformable
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_node_positions(world, body, positions, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      real(c_double), intent(inout) :: positions(*)
+      integer(c_size_t), value :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_node_velocities(world, body, velocities, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      real(c_double), intent(inout) :: velocities(*)
+      integer(c_size_t), value :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_tets(world, body, tets, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      integer(c_int32_t), intent(inout) :: tets(*)
+      integer(c_size_t), value :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_skin(world, body, triangles, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      integer(c_int32_t), intent(inout) :: triangles(*)
+      integer(c_size_t), value :: count
+      integer(c_int) :: answer
+    end function
+
+    function femdem_world_stresses(world, body, stresses, count) &
+        bind(c) result(answer)
+      import
+      type(femdem_world_t), value :: world
+      integer(c_int32_t), value :: body
+      real(c_double), intent(inout) :: stresses(*)
+      integer(c_size_t), value :: count
       integer(c_int) :: answer
     end function
 

@@ -27,22 +27,82 @@
 /*
  Number of the interface: it rises with every change after which a program has to be compiled anew.
  */
-#define FEMDEM_ABI_VERSION 2
+#define FEMDEM_ABI_VERSION 3
 
 /*
- Softening of a FemdemBondLaw: along a straight line.
+ Law of a FemdemMatter: compressible neo-Hookean.
+ */
+#define FEMDEM_MATTER_NEO_HOOKEAN 0
+
+/*
+ Law of a FemdemMatter: linear in the logarithmic strain.
+ */
+#define FEMDEM_MATTER_HENCKY 1
+
+/*
+ Law of a FemdemMatter: Mooney-Rivlin, with `share`.
+ */
+#define FEMDEM_MATTER_MOONEY_RIVLIN 2
+
+/*
+ Law of a FemdemMatter: von Mises plasticity, with `yield_stress` and hardening.
+ */
+#define FEMDEM_MATTER_J2 3
+
+/*
+ Law of a FemdemMatter: Drucker-Prager plasticity, with `cohesion` and angles.
+ */
+#define FEMDEM_MATTER_DRUCKER_PRAGER 4
+
+/*
+ Elements of a FemdemMatter: linear tetrahedra.
+ */
+#define FEMDEM_ELEMENT_T4 0
+
+/*
+ Elements of a FemdemMatter: linear tetrahedra with pressures averaged at the nodes, for matter that hardly changes its volume.
+ */
+#define FEMDEM_ELEMENT_T4_NODAL_PRESSURE 1
+
+/*
+ Elements of a FemdemMatter: quadratic tetrahedra.
+ */
+#define FEMDEM_ELEMENT_T10 2
+
+/*
+ Elements of a FemdemMatter: quadratic tetrahedra with F-bar, for matter that hardly changes its volume.
+ */
+#define FEMDEM_ELEMENT_T10_FBAR 3
+
+/*
+ Softening of a FemdemBondLaw or FemdemFracture: along a straight line.
  */
 #define FEMDEM_SOFTENING_LINEAR 0
 
 /*
- Softening of a FemdemBondLaw: along an exponential that ends.
+ Softening of a FemdemBondLaw or FemdemFracture: along an exponential that ends.
  */
 #define FEMDEM_SOFTENING_EXPONENTIAL 1
 
 /*
- Softening of a FemdemBondLaw: along two straight lines, as of concrete.
+ Softening of a FemdemBondLaw or FemdemFracture: along two straight lines, as of concrete.
  */
 #define FEMDEM_SOFTENING_BILINEAR 2
+
+/*
+ Axes of femdem_world_drive_nodes: x.
+ */
+#define FEMDEM_AXIS_X 1
+
+/*
+ Axes of femdem_world_drive_nodes: y.
+ */
+#define FEMDEM_AXIS_Y 2
+
+/*
+ Axes of femdem_world_drive_nodes: z.
+ */
+#define FEMDEM_AXIS_Z 4
 
 /*
  Kind of a FemdemDrive: held where it is.
@@ -379,6 +439,138 @@ typedef struct {
 } FemdemWorld;
 
 /*
+ What deformable bodies are made of. Begin with femdem_matter_default. What its law has no use for is not read.
+ */
+typedef struct {
+  /*
+   In the reference state, kg/m^3.
+   */
+  double density;
+  /*
+   Young's modulus, Pa.
+   */
+  double young;
+  /*
+   Poisson's ratio, above -1 and below 0.5.
+   */
+  double poisson;
+  /*
+   Shear viscosity beside any law, Pa s.
+   */
+  double shear_viscosity;
+  /*
+   Bulk viscosity beside any law, Pa s.
+   */
+  double bulk_viscosity;
+  /*
+   Stiffness of the contacts over that of the body: with 1 they cost 5 % of the force of a Hertz contact.
+   */
+  double contact_ratio;
+  /*
+   Mooney-Rivlin: share of the second invariant in the shear modulus, from 0 to 1.
+   */
+  double share;
+  /*
+   J2: yield stress, Pa.
+   */
+  double yield_stress;
+  /*
+   J2: hardening modulus, Pa.
+   */
+  double hardening;
+  /*
+   J2: yield stress at large plastic strain, Pa, approached exponentially; NaN, the default: none.
+   */
+  double saturation_stress;
+  /*
+   J2: rate at which that is approached, per unit of plastic strain.
+   */
+  double saturation_rate;
+  /*
+   Drucker-Prager: cohesion of Mohr-Coulomb, Pa.
+   */
+  double cohesion;
+  /*
+   Drucker-Prager: angle of friction of Mohr-Coulomb, rad.
+   */
+  double friction_angle;
+  /*
+   Drucker-Prager: angle of dilatancy, rad.
+   */
+  double dilatancy_angle;
+  /*
+   One of the FEMDEM_MATTER constants.
+   */
+  int32_t law;
+  /*
+   One of the FEMDEM_ELEMENT constants.
+   */
+  int32_t element;
+} FemdemMatter;
+
+/*
+ How bodies break. Begin with femdem_fracture_default.
+ */
+typedef struct {
+  /*
+   Tensile strength, Pa.
+   */
+  double tensile;
+  /*
+   Cohesion of Mohr-Coulomb, Pa.
+   */
+  double cohesion;
+  /*
+   Angle of friction of Mohr-Coulomb, rad.
+   */
+  double friction_angle;
+  /*
+   Energy of fracture by opening, J/m^2.
+   */
+  double opening_energy;
+  /*
+   Energy of fracture by sliding, J/m^2, at least that by opening.
+   */
+  double sliding_energy;
+  /*
+   Exponent of mixed modes.
+   */
+  double mix;
+  /*
+   Stiffness of a new crack over E/h, with Young's modulus E and the height h of the elements.
+   */
+  double stiffness;
+  /*
+   Weibull's modulus of the scatter of the strength, at least 1; 0: none.
+   */
+  double weibull_modulus;
+  /*
+   The volume whose characteristic strength is that above, m^3.
+   */
+  double weibull_volume;
+  /*
+   Seed of the scatter.
+   */
+  uint64_t weibull_seed;
+  /*
+   Steps between two looks at the stresses.
+   */
+  uint32_t every;
+  /*
+   One of the FEMDEM_SOFTENING constants.
+   */
+  int32_t softening;
+  /*
+   1: the mesh may be coarser than cracks need that take their energy and no more; 0: it is refused.
+   */
+  int32_t coarse;
+  /*
+   1: the parts stay one body; 0: femdem_world_fragment_bodies makes bodies of them.
+   */
+  int32_t pieces;
+} FemdemFracture;
+
+/*
  The elastic contact of two bodies, without friction and damping.
  */
 typedef struct {
@@ -563,7 +755,73 @@ typedef struct {
 } FemdemBond;
 
 /*
- A motion whatever touches, counted from where the wall or body is when it is given. What its kind has no use for is not read.
+ A matrix.
+ */
+typedef struct {
+  /*
+   Row by row.
+   */
+  double rows[9];
+} FemdemMatrix;
+
+/*
+ A facet of a breakable body that is cut.
+ */
+typedef struct {
+  /*
+   The tetrahedra beside it; -1: one of another body, which has the facet, too.
+   */
+  int64_t tets[2];
+  /*
+   Its three corners midway between its sides, m.
+   */
+  double corners[9];
+  /*
+   Mean opening of its sides, m.
+   */
+  double opening;
+  /*
+   Mean slip of its sides, m.
+   */
+  double slip;
+  /*
+   0 when it is cut, 1 when nothing holds any more.
+   */
+  double damage;
+  /*
+   When it was cut, s.
+   */
+  double birth;
+  /*
+   When nothing held any more, s; NaN before.
+   */
+  double broken_at;
+  /*
+   Energy that it has taken to break, without friction, J.
+   */
+  double dissipated;
+  /*
+   1 if it was cut by shear, 0 if by tension.
+   */
+  int32_t sheared;
+} FemdemCrack;
+
+/*
+ A fragment that has become a body.
+ */
+typedef struct {
+  /*
+   Number of the body.
+   */
+  uint32_t body;
+  /*
+   Number of the body that it was a part of, which is the largest of its fragments now.
+   */
+  uint32_t of;
+} FemdemFragment;
+
+/*
+ A motion whatever touches, counted from where the wall, body or node is when it is given. What its kind has no use for is not read.
  */
 typedef struct {
   /*
@@ -599,6 +857,56 @@ typedef struct {
    */
   double end;
 } FemdemDrive;
+
+/*
+ A deformable body as numbers. Those that break get more nodes, and may get fewer tetrahedra by femdem_world_fragment_bodies.
+ */
+typedef struct {
+  /*
+   kg.
+   */
+  double mass;
+  /*
+   Centre of mass, m.
+   */
+  double centroid[3];
+  /*
+   Velocity of that, m/s.
+   */
+  double velocity[3];
+  /*
+   J.
+   */
+  double kinetic_energy;
+  /*
+   Elastic energy, J, without that of its cracks.
+   */
+  double strain_energy;
+  /*
+   Nodes.
+   */
+  size_t node_count;
+  /*
+   Tetrahedra.
+   */
+  size_t tet_count;
+  /*
+   Triangles of its skin.
+   */
+  size_t triangle_count;
+  /*
+   Number of its model.
+   */
+  uint32_t model;
+  /*
+   1 if it may break, else 0.
+   */
+  int32_t breakable;
+  /*
+   1 if it is frozen, else 0.
+   */
+  int32_t asleep;
+} FemdemDeformable;
 
 /*
  What a world needs to know besides its bodies and walls. Begin with femdem_world_defaults.
@@ -671,9 +979,13 @@ typedef struct {
    */
   uint64_t steps;
   /*
-   Bodies.
+   Rigid bodies.
    */
   size_t body_count;
+  /*
+   Deformable bodies.
+   */
+  size_t deformable_count;
   /*
    Bodies that are not frozen.
    */
@@ -705,6 +1017,10 @@ typedef struct {
    */
   double load_work;
   /*
+   Lent to cracks at their births; it comes back in what they dissipate.
+   */
+  double lent;
+  /*
    Kinetic energy now.
    */
   double kinetic;
@@ -717,9 +1033,21 @@ typedef struct {
    */
   double elastic;
   /*
+   Elastic energy inside deformable bodies now.
+   */
+  double strain;
+  /*
    Energy of the friction springs now.
    */
   double friction_springs;
+  /*
+   Energy in the cracks of bodies now.
+   */
+  double cracks;
+  /*
+   Energy in bonds now.
+   */
+  double bonds;
   /*
    Dissipated by friction.
    */
@@ -728,6 +1056,46 @@ typedef struct {
    Dissipated by normal dashpots.
    */
   double dissipated_damping;
+  /*
+   Dissipated by drag and local damping.
+   */
+  double dissipated_medium;
+  /*
+   Dissipated by the viscosity of matter.
+   */
+  double dissipated_viscous;
+  /*
+   Dissipated by plastic flow.
+   */
+  double dissipated_plastic;
+  /*
+   Dissipated where liquid bridges broke.
+   */
+  double dissipated_bridges;
+  /*
+   Dissipated by breaking: less what was lent, this is the energy of fracture.
+   */
+  double dissipated_fracture;
+  /*
+   Dissipated by breaking bonds.
+   */
+  double dissipated_bonds;
+  /*
+   Dissipated as the pressure of new cracks fades, by contacts whose field cracks change, and where bonds ended.
+   */
+  double dissipated_release;
+  /*
+   Dissipated by implicit steps.
+   */
+  double dissipated_step;
+  /*
+   Kinetic energy removed when bodies were frozen.
+   */
+  double frozen;
+  /*
+   Exchanged so far.
+   */
+  double exchanged;
   /*
    All that was dissipated.
    */
@@ -916,6 +1284,16 @@ FemdemStatus femdem_world_free(FemdemWorld world);
 FemdemStatus femdem_law_default(FemdemLaw *law);
 
 /*
+ Writes the default matter: a rubber of 1100 kg/m^3, 1 MPa and a Poisson's ratio of 0.45, in linear tetrahedra.
+ */
+FemdemStatus femdem_matter_default(FemdemMatter *matter);
+
+/*
+ Writes the default fracture: a concrete of 3 MPa and 90 J/m^2.
+ */
+FemdemStatus femdem_fracture_default(FemdemFracture *fracture);
+
+/*
  Writes what two bodies do to each other under a penalty in Pa: all zeros if they are apart. It keeps no state.
  */
 FemdemStatus femdem_pair_evaluate(double penalty,
@@ -1055,6 +1433,119 @@ FemdemStatus femdem_world_add_sheet(FemdemWorld world,
                                     uint32_t *wall);
 
 /*
+ Makes the space of a world periodic over these lengths, m; infinite: not along that axis. Before its bodies and without walls
+ across.
+ */
+FemdemStatus femdem_world_set_cell(FemdemWorld world,
+                                   double x,
+                                   double y,
+                                   double z);
+
+/*
+ Lets the edges of the cell, which are columns, move with velocities in m/s, and all free bodies with space.
+ */
+FemdemStatus femdem_world_deform_cell(FemdemWorld world,
+                                      const FemdemMatrix *rates);
+
+/*
+ Writes the edges of the cell as columns, m.
+ */
+FemdemStatus femdem_world_cell(FemdemWorld world, FemdemMatrix *edges);
+
+/*
+ Writes the mean stress in a cell that repeats itself along all axes, Pa, positive in compression.
+ */
+FemdemStatus femdem_world_cell_stress(FemdemWorld world, FemdemMatrix *stress);
+
+/*
+ Writes the number of the facets of a breakable body that are cut, and the facets if `room` is not 0: then it must suffice for
+ all. Those that carry nothing any more come first.
+ */
+FemdemStatus femdem_world_cracks(FemdemWorld world,
+                                 uint32_t body,
+                                 FemdemCrack *cracks,
+                                 size_t room,
+                                 size_t *count);
+
+/*
+ Writes the number of tetrahedra of a breakable body, and the fragment that each belongs to, from 0, if `room` is not 0: then it
+ must suffice for all. Facets that are not broken join them.
+ */
+FemdemStatus femdem_world_fragments(FemdemWorld world,
+                                    uint32_t body,
+                                    uint32_t *fragments,
+                                    size_t room,
+                                    size_t *count);
+
+/*
+ Makes bodies of the fragments of all bodies that have fallen into some, and writes how many there are besides the largest of
+ each, which keep the numbers of the bodies. femdem_world_new_fragments tells which. A caller may ask after every step.
+ */
+FemdemStatus femdem_world_fragment_bodies(FemdemWorld world,
+                                          size_t *count);
+
+/*
+ Writes the number of bodies that the last femdem_world_fragment_bodies has made, and which, if `room` is not 0: then it must
+ suffice for all.
+ */
+FemdemStatus femdem_world_new_fragments(FemdemWorld world,
+                                        FemdemFragment *fragments,
+                                        size_t room,
+                                        size_t *count);
+
+/*
+ Makes a model of deformable bodies from tetrahedra: `point_count` points, three coordinates in m each, and `tet_count`
+ tetrahedra, four numbers of points each, the last on the side from which the first three are clockwise. Its points are its
+ first nodes, in the coordinates that are given; quadratic elements add those in the middle of edges. Bodies of one shape and
+ matter share a model, which stays as long as the world.
+ */
+FemdemStatus femdem_world_add_model(FemdemWorld world,
+                                    const double *points,
+                                    size_t point_count,
+                                    const uint32_t *tets,
+                                    size_t tet_count,
+                                    const FemdemMatter *matter,
+                                    uint32_t *model);
+
+/*
+ Makes a model of a shape, which is filled with tetrahedra; `mesh_size` is their size over the diameter of the shape, 0: 0.2. Its
+ origin is the centroid, and bodies have the mass that the surface of the shape encloses.
+ */
+FemdemStatus femdem_world_add_model_of_shape(FemdemWorld world,
+                                             FemdemShape shape,
+                                             double mesh_size,
+                                             const FemdemMatter *matter,
+                                             uint32_t *model);
+
+/*
+ Adds a deformable body of a model. The pose of `motion` takes the coordinates of the model to the world, and its velocities are
+ those of the centroid. With a `fracture` it may break; null: it does not. Its number is the lowest that is free, of rigid
+ bodies and deformable ones together.
+ */
+FemdemStatus femdem_world_add_deformable(FemdemWorld world,
+                                         uint32_t model,
+                                         const FemdemMotion *motion,
+                                         const FemdemFracture *fracture,
+                                         uint32_t material_id,
+                                         uint32_t *body);
+
+/*
+ Moves nodes of a deformable body as prescribed along some axes, the sum of FEMDEM_AXIS constants, counted from where they are;
+ a drive of FEMDEM_DRIVE_FIXED holds them. It replaces an earlier one of the same nodes and axes.
+ */
+FemdemStatus femdem_world_drive_nodes(FemdemWorld world,
+                                      uint32_t body,
+                                      const uint32_t *nodes,
+                                      size_t node_count,
+                                      uint32_t axes,
+                                      const FemdemDrive *drive);
+
+/*
+ Sets all driven nodes of a deformable body free.
+ */
+FemdemStatus femdem_world_release(FemdemWorld world, uint32_t body);
+
+/*
  Moves a wall as prescribed.
  */
 FemdemStatus femdem_world_drive_wall(FemdemWorld world, uint32_t wall, const FemdemDrive *drive);
@@ -1114,6 +1605,58 @@ FemdemStatus femdem_world_remove_body(FemdemWorld world, uint32_t body);
  Removes a wall with its contacts.
  */
 FemdemStatus femdem_world_remove_wall(FemdemWorld world, uint32_t wall);
+
+/*
+ Writes the number of deformable bodies, and their numbers, ascending, if `room` is not 0: then it must suffice for all.
+ */
+FemdemStatus femdem_world_deformables(FemdemWorld world,
+                                      uint32_t *bodies,
+                                      size_t room,
+                                      size_t *count);
+
+/*
+ Writes a deformable body as numbers.
+ */
+FemdemStatus femdem_world_deformable(FemdemWorld world,
+                                     uint32_t body,
+                                     FemdemDeformable *deformable);
+
+/*
+ Writes the positions of the nodes of a deformable body, m, three numbers each.
+ */
+FemdemStatus femdem_world_node_positions(FemdemWorld world,
+                                         uint32_t body,
+                                         double *positions,
+                                         size_t count);
+
+/*
+ Writes the velocities of the nodes of a deformable body, m/s, three numbers each.
+ */
+FemdemStatus femdem_world_node_velocities(FemdemWorld world,
+                                          uint32_t body,
+                                          double *velocities,
+                                          size_t count);
+
+/*
+ Writes the tetrahedra of a deformable body, four numbers of nodes each.
+ */
+FemdemStatus femdem_world_tets(FemdemWorld world, uint32_t body, uint32_t *tets, size_t count);
+
+/*
+ Writes the triangles of the skin of a deformable body, three numbers of nodes each, counter-clockwise from outside.
+ */
+FemdemStatus femdem_world_skin(FemdemWorld world,
+                               uint32_t body,
+                               uint32_t *triangles,
+                               size_t count);
+
+/*
+ Writes the Cauchy stresses in the tetrahedra of a deformable body, Pa, tension positive: xx, yy, zz, xy, yz, zx each.
+ */
+FemdemStatus femdem_world_stresses(FemdemWorld world,
+                                   uint32_t body,
+                                   double *stresses,
+                                   size_t count);
 
 /*
  Writes the default parameters: gravity along -z, the default law, explicit steps, bodies that sleep.

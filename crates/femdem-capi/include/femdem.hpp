@@ -130,6 +130,18 @@ inline FemdemBondLaw default_bond_law() {
     return law;
 }
 
+inline FemdemMatter default_matter() {
+    FemdemMatter matter;
+    check(femdem_matter_default(&matter));
+    return matter;
+}
+
+inline FemdemFracture default_fracture() {
+    FemdemFracture fracture;
+    check(femdem_fracture_default(&fracture));
+    return fracture;
+}
+
 inline FemdemWorldParameters default_parameters() {
     FemdemWorldParameters parameters;
     check(femdem_world_defaults(&parameters));
@@ -157,6 +169,54 @@ public:
         check(femdem_world_add_box(handle_, &inside, material, &sides));
         return sides;
     }
+    /** Of tetrahedra: rows of three, and of four. */
+    uint32_t add_model(const std::vector<double> &points, const std::vector<uint32_t> &tets, const FemdemMatter &matter) {
+        uint32_t model = 0;
+        check(femdem_world_add_model(handle_, points.data(), points.size() / 3, tets.data(), tets.size() / 4, &matter,
+                                     &model));
+        return model;
+    }
+    /** Of a shape, which is filled with tetrahedra; see femdem_world_add_model_of_shape. */
+    uint32_t add_model(FemdemShape shape, double mesh_size, const FemdemMatter &matter) {
+        uint32_t model = 0;
+        check(femdem_world_add_model_of_shape(handle_, shape, mesh_size, &matter, &model));
+        return model;
+    }
+    /** It may break if it has a fracture. */
+    uint32_t add_deformable(uint32_t model, const FemdemMotion &motion, const FemdemFracture *fracture = nullptr,
+                            uint32_t material = 0) {
+        uint32_t body = 0;
+        check(femdem_world_add_deformable(handle_, model, &motion, fracture, material, &body));
+        return body;
+    }
+    /** See femdem_world_drive_nodes; femdem_world_release ends it. */
+    void drive_nodes(uint32_t body, const std::vector<uint32_t> &nodes, uint32_t axes, const FemdemDrive &drive) {
+        check(femdem_world_drive_nodes(handle_, body, nodes.data(), nodes.size(), axes, &drive));
+    }
+    FemdemDeformable deformable(uint32_t body) const {
+        FemdemDeformable deformable;
+        check(femdem_world_deformable(handle_, body, &deformable));
+        return deformable;
+    }
+    /** Three numbers for each node, m. */
+    std::vector<double> node_positions(uint32_t body) const {
+        std::vector<double> positions(3 * deformable(body).node_count);
+        check(femdem_world_node_positions(handle_, body, positions.data(), positions.size() / 3));
+        return positions;
+    }
+    /** Six numbers for each tetrahedron, Pa: xx, yy, zz, xy, yz, zx. */
+    std::vector<double> stresses(uint32_t body) const {
+        std::vector<double> stresses(6 * deformable(body).tet_count);
+        check(femdem_world_stresses(handle_, body, stresses.data(), stresses.size() / 6));
+        return stresses;
+    }
+    /** Makes bodies of fragments, and tells which. */
+    std::vector<FemdemFragment> fragment_bodies() {
+        std::size_t count = 0;
+        check(femdem_world_fragment_bodies(handle_, &count));
+        return all(femdem_world_new_fragments, handle_);
+    }
+    std::vector<uint32_t> deformables() const { return all(femdem_world_deformables, handle_); }
     /** Over the section that two bodies have between them; see femdem_world_add_bond for a polygon. */
     uint32_t add_bond(uint32_t body_a, uint32_t body_b, double gap, double ratio, const FemdemBondLaw &law) {
         uint32_t bond = 0;

@@ -74,6 +74,10 @@ impl Form {
         })
     }
 
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Adds it to a world.
     pub fn add_to(&self, world: &mut World) -> Result<ShapeId, SolveError> {
         match (self.contact.sphere(), &self.mesh) {

@@ -1,8 +1,8 @@
 //! C bindings: the contacts and the worlds of femdem for C, C++, Fortran and every language that calls C.
 //!
 //! **Use it** to add contacts of bodies of any shape to a code that is not written in Rust, or to run whole simulations from
-//! it. **Do not use it** from Rust (take femdem-contact and femdem-solve) or from Python (femdem-python). Deformable bodies,
-//! fracture and scenes are not here.
+//! it. **Do not use it** from Rust (take femdem-contact and femdem-solve) or from Python (femdem-python). Scenes and packs are not
+//! here: run the program `femdem`, whose results are files.
 //!
 //! ```c
 //! #include <femdem.h>
@@ -69,9 +69,11 @@ mod border;
 mod form;
 mod handles;
 mod law;
+mod matter;
 mod pair;
 mod plain;
 mod shape;
+mod softening;
 mod threads;
 mod wall;
 mod world;
@@ -82,14 +84,18 @@ pub use batch::*;
 pub use border::{FemdemStatus, femdem_last_error};
 pub use handles::*;
 pub use law::{FemdemLaw, femdem_law_default};
+pub use matter::*;
 pub use pair::{FemdemPair, femdem_pair_evaluate};
 pub use plain::*;
 pub use shape::*;
+pub use softening::{
+    FEMDEM_SOFTENING_BILINEAR, FEMDEM_SOFTENING_EXPONENTIAL, FEMDEM_SOFTENING_LINEAR,
+};
 pub use wall::FemdemSides;
 pub use world::*;
 
 /// Number of the interface: it rises with every change after which a program has to be compiled anew.
-pub const FEMDEM_ABI_VERSION: u32 = 2;
+pub const FEMDEM_ABI_VERSION: u32 = 3;
 
 /// The number of the interface of the library that is loaded: compare it with FEMDEM_ABI_VERSION of the header.
 #[unsafe(no_mangle)]

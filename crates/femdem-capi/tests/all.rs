@@ -5,7 +5,10 @@
 )]
 
 mod bonds;
+mod cell;
 mod common;
+mod cracks;
+mod deformable;
 mod fortran;
 mod header;
 mod layers;

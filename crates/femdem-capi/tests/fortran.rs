@@ -41,7 +41,7 @@ end module
 ";
 
 /// Pointers that may be null.
-const OPTIONAL: [(&str, &str); 7] = [
+const OPTIONAL: [(&str, &str); 8] = [
     ("femdem_batch_set_law", "law"),
     ("femdem_batch_add_box", "sides"),
     ("femdem_batch_slots", "bodies"),
@@ -49,6 +49,7 @@ const OPTIONAL: [(&str, &str); 7] = [
     ("femdem_world_set_law", "law"),
     ("femdem_world_add_box", "sides"),
     ("femdem_world_drive_body", "drive"),
+    ("femdem_world_add_deformable", "fracture"),
 ];
 
 /// FemdemShape is femdem_shape_t.
@@ -59,7 +60,7 @@ fn type_of(name: &str) -> String {
         "size_t" => "integer(c_size_t)".to_owned(),
         "uint8_t" => "integer(c_int8_t)".to_owned(),
         "int32_t" | "uint32_t" => "integer(c_int32_t)".to_owned(),
-        "uint64_t" => "integer(c_int64_t)".to_owned(),
+        "int64_t" | "uint64_t" => "integer(c_int64_t)".to_owned(),
         "FemdemStatus" => "integer(c_int)".to_owned(),
         _ => {
             assert!(name.starts_with("Femdem"), "unknown type {name}");

@@ -27,6 +27,8 @@ pub struct Form {
     pub name: String,
     pub surface: Polyhedron,
     touch: Touch,
+    /// Tetrahedra of its own, which deformable bodies have.
+    mesh: Option<TetMesh>,
 }
 
 /// How a rigid body of a shape touches others.
@@ -52,7 +54,36 @@ impl Form {
             name,
             surface,
             touch,
+            mesh: None,
         })
+    }
+
+    /// Of tetrahedra of its own.
+    fn of_mesh(name: String, mesh: TetMesh) -> Result<Self, MeshError> {
+        let surface = mesh.surface()?.with_merged_faces();
+        let touch = match surface.is_convex() {
+            true => Touch::Surface,
+            false => Touch::Mesh(mesh.clone(), Field::Body),
+        };
+        Ok(Self {
+            name,
+            surface,
+            touch,
+            mesh: Some(mesh),
+        })
+    }
+
+    /// Whether it was made of tetrahedra.
+    pub fn has_tetrahedra(&self) -> bool {
+        self.mesh.is_some()
+    }
+
+    /// Its own tetrahedra, or such of a size in circumscribed diameters that fill it.
+    pub fn tetrahedra(&self, size: f64) -> Result<TetMesh, MeshError> {
+        match &self.mesh {
+            Some(mesh) => Ok(mesh.clone()),
+            None => tetrahedra(&self.surface, Some(size)),
+        }
     }
 
     /// For a batch of contacts: about its centroid, in its own axes.
@@ -113,12 +144,13 @@ impl From<&solve::Shape> for Form {
             name: shape.name.clone(),
             surface: shape.polyhedron.clone(),
             touch,
+            mesh: None,
         }
     }
 }
 
 /// Tetrahedra that fill a surface; their size is in circumscribed diameters.
-pub fn tetrahedra(surface: &Polyhedron, size: Option<f64>) -> Result<TetMesh, MeshError> {
+fn tetrahedra(surface: &Polyhedron, size: Option<f64>) -> Result<TetMesh, MeshError> {
     let options = MeshOptions {
         edge_length: size.map(|size| size * 2.0 * surface.bounding_radius()),
         ..MeshOptions::default()
@@ -152,6 +184,7 @@ impl Shape {
             name,
             surface,
             touch,
+            mesh: None,
         }
         .into()
     }
@@ -208,6 +241,7 @@ impl Shape {
                     name,
                     surface,
                     touch,
+                    mesh: None,
                 });
             }
             Form::new(name, surface, mesh_size)
@@ -236,6 +270,20 @@ impl Shape {
         Ok(form.into())
     }
 
+    /// A body of tetrahedra.
+    #[staticmethod]
+    fn of_tetrahedra(
+        py: Python<'_>,
+        name: String,
+        points: &Bound<'_, PyAny>,
+        tets: Vec<[u32; 4]>,
+    ) -> PyResult<Self> {
+        let points = rows::<3>("points", points)?;
+        let points: Vec<Point3> = points.into_iter().map(Point3::from).collect();
+        let form = unlocked(py, || Form::of_mesh(name, TetMesh::new(points, tets)?))?;
+        Ok(form.into())
+    }
+
     /// A surface from a file.
     #[staticmethod]
     fn of_file(
@@ -247,6 +295,25 @@ impl Shape {
         mesh_size: Option<f64>,
     ) -> PyResult<Self> {
         let unit: Unit = choice("unit", unit)?;
+        let stem = path.file_stem().unwrap_or_default();
+        let stem = stem.to_string_lossy().into_owned();
+        if path.extension().is_some_and(|own| own == "msh") {
+            if repair || mesh_size.is_some() {
+                return Err(FemdemError::new_err(
+                    "repair and mesh_size are for surfaces: leave them out, a file .msh has tetrahedra",
+                ));
+            }
+            let form = unlocked(py, || {
+                let own = io::msh::read_file(&path)?;
+                let by = match diameter {
+                    Some(diameter) => diameter / (2.0 * own.surface()?.bounding_radius()),
+                    None => unit.metres(),
+                };
+                let points = own.points().iter().map(|point| point * by).collect();
+                Form::of_mesh(stem, TetMesh::new(points, own.tets().to_vec())?)
+            })?;
+            return Ok(form.into());
+        }
         let reading = if repair {
             Options::REPAIR
         } else {
@@ -259,8 +326,7 @@ impl Shape {
                 None => unit.metres(),
             };
             let surface = if by == 1.0 { own } else { own.scaled(by)? };
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            Form::new(stem.into_owned(), surface, mesh_size)
+            Form::new(stem, surface, mesh_size)
         })?;
         Ok(form.into())
     }

@@ -50,6 +50,43 @@ def test_a_run_is_that_of_the_program(program, tmp_path):
     assert digest(tmp_path / "run" / "history.csv") == digest(result.folder / "history.csv")
 
 
+def test_a_deformable_body_is_that_of_the_program():
+    dolos = femdem.Shape("dolos", size=0.05)
+    # Half a millimetre above the floor.
+    height = 0.0005 - dolos.vertices[:, 2].min()
+    scene = {
+        "duration": 0.004,
+        "every": 0.002,
+        "contact": {"friction": 0.3},
+        "material": {"rubber": {"density": 1100, "law": "neo-hookean", "young": 1e6, "poisson": 0.4}},
+        "wall": [{"name": "floor", "plane": {"normal": [0, 0, 1]}}],
+        "body": [
+            {
+                "shape": "dolos",
+                "size": 0.05,
+                "material": "rubber",
+                "behaviour": "deformable",
+                "mesh-size": 0.3,
+                "position": [0, 0, height],
+                "velocity": [0, 0, -1],
+            }
+        ],
+    }
+    theirs = femdem.run(scene).world
+    contact = {key: value for key, value in theirs.parameters["contact"].items() if value is not None}
+    kept = {key: theirs.parameters[key] for key in ("gravity", "time_step", "sleeping", "medium")}
+    world = femdem.World(**kept, **contact)
+    world.add_wall("floor", **{"plane": {"normal": [0, 0, 1]}})
+    place = [0, 0, height, 1, 0, 0, 0]
+    (body,) = world.add_deformable(dolos, place, scene["material"]["rubber"], velocity=[0, 0, -1], mesh_size=0.3)
+    assert world.masses == pytest.approx([1100 * dolos.volume])
+    world.step(until=theirs.time)
+    assert world.steps == theirs.steps and len(world.contacts()["a"]) > 0
+    for ours, wanted in zip(world.nodes(body), theirs.nodes(0), strict=True):
+        assert np.array_equal(ours, wanted)
+    assert np.array_equal(world.stresses(body), theirs.stresses(0))
+
+
 def test_a_pack_has_its_bodies_as_arrays(packed):
     assert packed.summary["settled"] and packed.poses.shape == (12, 7)
     assert np.allclose(np.linalg.norm(packed.poses[:, 3:], axis=1), 1)
@@ -79,6 +116,11 @@ def test_a_pack_is_measured_drawn_and_resolved(packed):
     assert "srcdoc" in packed._repr_html_()
     resolved = femdem.resolve(packed, young=60e9, tolerance=1e-2, mesh_size=1)
     assert len(resolved.table("stress.csv")["body"]) == 12 and resolved.summary
+    inside = femdem.stresses(packed, strength=5e6, mesh_size=0.5, linear=True)
+    assert inside.folder == packed.folder / "stresses" and len(inside.table("stress.csv")["body"]) == 12
+    assert inside.summary["bodies"]
+    void = femdem.pores(packed, voxel=0.1, no_surface=True)
+    assert void.folder == packed.folder / "pores" and void.summary
     femdem.command("picture", packed.folder, out=packed.folder / "a.png", quiet=True)
     assert (packed.folder / "a.png").stat().st_size > 1000
 

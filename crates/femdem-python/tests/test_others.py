@@ -13,7 +13,7 @@ def world():
     half = np.sqrt(0.5)
     world.add(femdem.Shape("box:width=0.5,height=1", size=0.2), [place(1, 2, 3), [0, 0, 0, half, 0, 0, half]], 1000)
     matter = {"density": 1000, "law": "hencky", "young": 1e6, "poisson": 0.2}
-    world.add_deformable(femdem.Shape("cube", size=0.1), place(5, 5, 5), matter, mesh_size=0.5)
+    world.add_deformable(femdem.Shape("box:width=1,height=1", size=0.1), place(5, 5, 5), matter, mesh_size=0.5)
     return world
 
 
@@ -42,6 +42,11 @@ def test_meshio(world):
     assert len(femdem.Shape("cube", size=1).to_meshio().cells[0].data) == 12
     mesh = world.to_meshio()
     assert set(mesh.cell_data["body"][0]) == {0, 1, 2}
+    inside = world.to_meshio(2)
+    assert inside.cells[0].type == "tetra" and inside.cell_data["stress"][0].shape == (len(inside.cells[0].data), 6)
+    assert inside.point_data["velocity"].shape == inside.points.shape
+    again = femdem.Shape.from_tetrahedra(inside.points, inside.cells_dict["tetra"])
+    assert again.volume == pytest.approx(1e-3)
 
 
 def test_pandas(world):

@@ -36,6 +36,36 @@ def test_arrays_give_a_surface_or_a_hull():
     assert femdem.Shape.from_arrays(np.array(TETRAHEDRON, dtype=np.float32), np.array(FACES)).name == "body"
 
 
+def test_tetrahedra_are_those_of_deformable_bodies():
+    corners = 0.1 * np.array(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, 8).T
+    # Six about a diagonal of the cube.
+    tets = [[0, 4, 6, 7], [0, 6, 2, 7], [0, 2, 3, 7], [0, 3, 1, 7], [0, 1, 5, 7], [0, 5, 4, 7]]
+    cube = femdem.Shape.from_tetrahedra(corners, tets, name="six")
+    assert cube.volume == pytest.approx(1e-3) and cube.is_convex and len(cube.faces) == 6
+    world = femdem.World()
+    matter = {"density": 1000, "law": "neo-hookean", "young": 1e6, "poisson": 0.3}
+    for one in (cube, pickle.loads(pickle.dumps(cube))):
+        (soft,) = world.add_deformable(one, [0, 0, 1, 1, 0, 0, 0], matter)
+        assert world.cells(soft)[0].tolist() == tets
+        assert np.allclose(world.nodes(soft)[0], corners + [0, 0, 1])
+    assert world.add(cube, [5, 0, 1, 1, 0, 0, 0], 1000).tolist() == [2]
+    assert world.masses == pytest.approx([1, 1, 1])
+    with pytest.raises(femdem.FemdemError, match="mesh_size = 0.3"):
+        world.add_deformable(cube, [0, 0, 1, 1, 0, 0, 0], matter, mesh_size=0.3)
+
+
+def test_a_file_of_gmsh_gives_tetrahedra(tmp_path):
+    nodes = "\n".join(f"{k + 1} {x} {y} {z}" for k, (x, y, z) in enumerate(TETRAHEDRON))
+    text = f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n{nodes}\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n"
+    path = tmp_path / "one.msh"
+    path.write_text(text)
+    one = femdem.Shape.from_file(path, unit="mm")
+    assert one.volume == pytest.approx(1e-9 / 6) and one.name == "one"
+    assert femdem.Shape.from_file(path, diameter=0.1).diameter == pytest.approx(0.1)
+    with pytest.raises(femdem.FemdemError, match="leave them out"):
+        femdem.Shape.from_file(path, mesh_size=0.2)
+
+
 def test_a_file_gives_what_was_saved(tmp_path):
     shape = femdem.Shape("dolos:waist=0.36", size=0.3)
     assert not shape.is_convex

@@ -4,20 +4,13 @@ use std::mem::MaybeUninit;
 
 use femdem_solve::contact::BodyId;
 use femdem_solve::contact::bond::{Bond, BondLaw, BondSection};
-use femdem_solve::contact::glue::Softening;
 use femdem_solve::mesh::Vector3;
 
 use super::Hosted;
 use super::query::no_such;
 use crate::border::{Failure, FemdemStatus, answer, border, given, place, points};
 use crate::handles::FemdemWorld;
-
-/// Softening of a FemdemBondLaw: along a straight line.
-pub const FEMDEM_SOFTENING_LINEAR: i32 = 0;
-/// Softening of a FemdemBondLaw: along an exponential that ends.
-pub const FEMDEM_SOFTENING_EXPONENTIAL: i32 = 1;
-/// Softening of a FemdemBondLaw: along two straight lines, as of concrete.
-pub const FEMDEM_SOFTENING_BILINEAR: i32 = 2;
+use crate::softening::{number, softening};
 
 /// How a bond holds and breaks, per area of its section. Begin with femdem_bond_law_default.
 #[repr(C)]
@@ -83,15 +76,6 @@ pub struct FemdemBond {
 
 impl FemdemBondLaw {
     fn law(&self) -> Result<BondLaw, Failure> {
-        let softening = match self.softening {
-            FEMDEM_SOFTENING_LINEAR => Softening::Linear,
-            FEMDEM_SOFTENING_EXPONENTIAL => Softening::Exponential,
-            FEMDEM_SOFTENING_BILINEAR => Softening::Bilinear,
-            other => {
-                let allowed = "one of the FEMDEM_SOFTENING constants";
-                return Err(Failure::refused("softening", other, allowed));
-            }
-        };
         Ok(BondLaw {
             stiffness: self.stiffness,
             tensile: self.tensile,
@@ -99,7 +83,7 @@ impl FemdemBondLaw {
             friction: self.friction,
             energies: [self.opening_energy, self.sliding_energy],
             mix: self.mix,
-            softening,
+            softening: softening(self.softening)?,
             damping: self.damping,
         })
     }
@@ -117,11 +101,7 @@ impl From<BondLaw> for FemdemBondLaw {
             sliding_energy,
             mix: law.mix,
             damping: law.damping,
-            softening: match law.softening {
-                Softening::Linear => FEMDEM_SOFTENING_LINEAR,
-                Softening::Exponential => FEMDEM_SOFTENING_EXPONENTIAL,
-                Softening::Bilinear => FEMDEM_SOFTENING_BILINEAR,
-            },
+            softening: number(law.softening),
         }
     }
 }

@@ -14,7 +14,7 @@ pub const FEMDEM_DRIVE_SHAKE: i32 = 2;
 /// Kind of a FemdemDrive: about an axis `vector` through `point` at `rate` in rad/s from `start` to `end`.
 pub const FEMDEM_DRIVE_TURN: i32 = 3;
 
-/// A motion whatever touches, counted from where the wall or body is when it is given. What its kind has no use for is not read.
+/// A motion whatever touches, counted from where the wall, body or node is when it is given. What its kind has no use for is not read.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FemdemDrive {
@@ -37,7 +37,7 @@ pub struct FemdemDrive {
 }
 
 impl FemdemDrive {
-    fn drive(&self) -> Result<Drive, Failure> {
+    pub(super) fn drive(&self) -> Result<Drive, Failure> {
         let (vector, start) = (self.vector.into(), self.start);
         // Ends are finite.
         let end = if self.end == f64::INFINITY {

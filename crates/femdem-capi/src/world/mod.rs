@@ -2,18 +2,26 @@
 
 mod bonds;
 mod build;
+mod cell;
+mod cracks;
+mod deformable;
 mod drive;
 mod files;
 mod hand;
+mod nodes;
 mod parameters;
 mod query;
 mod step;
 
 pub use bonds::*;
 pub use build::*;
+pub use cell::*;
+pub use cracks::*;
+pub use deformable::*;
 pub use drive::*;
 pub use files::*;
 pub use hand::*;
+pub use nodes::*;
 pub use parameters::*;
 pub use query::*;
 pub use step::*;
@@ -34,6 +42,8 @@ pub(crate) struct Hosted {
     threads: Threads,
     /// By their addresses, which stay their own as long as they are kept here.
     shapes: BTreeMap<usize, (Arc<Form>, ShapeId)>,
+    /// What the last call made that makes bodies of fragments.
+    fragments: Vec<FemdemFragment>,
 }
 
 impl From<World> for Hosted {
@@ -42,6 +52,7 @@ impl From<World> for Hosted {
             world,
             threads: Threads::default(),
             shapes: BTreeMap::new(),
+            fragments: Vec::new(),
         }
     }
 }

@@ -24,8 +24,10 @@ pub struct FemdemWorldState {
     pub residual: f64,
     /// Steps taken.
     pub steps: u64,
-    /// Bodies.
+    /// Rigid bodies.
     pub body_count: usize,
+    /// Deformable bodies.
+    pub deformable_count: usize,
     /// Bodies that are not frozen.
     pub awake_count: usize,
     /// Walls.
@@ -44,18 +46,46 @@ pub struct FemdemLedger {
     pub work_in: f64,
     /// Work of loads.
     pub load_work: f64,
+    /// Lent to cracks at their births; it comes back in what they dissipate.
+    pub lent: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
     /// Potential energy in gravity now, about the origin.
     pub potential: f64,
     /// Energy of the normal contacts now.
     pub elastic: f64,
+    /// Elastic energy inside deformable bodies now.
+    pub strain: f64,
     /// Energy of the friction springs now.
     pub friction_springs: f64,
+    /// Energy in the cracks of bodies now.
+    pub cracks: f64,
+    /// Energy in bonds now.
+    pub bonds: f64,
     /// Dissipated by friction.
     pub dissipated_friction: f64,
     /// Dissipated by normal dashpots.
     pub dissipated_damping: f64,
+    /// Dissipated by drag and local damping.
+    pub dissipated_medium: f64,
+    /// Dissipated by the viscosity of matter.
+    pub dissipated_viscous: f64,
+    /// Dissipated by plastic flow.
+    pub dissipated_plastic: f64,
+    /// Dissipated where liquid bridges broke.
+    pub dissipated_bridges: f64,
+    /// Dissipated by breaking: less what was lent, this is the energy of fracture.
+    pub dissipated_fracture: f64,
+    /// Dissipated by breaking bonds.
+    pub dissipated_bonds: f64,
+    /// Dissipated as the pressure of new cracks fades, by contacts whose field cracks change, and where bonds ended.
+    pub dissipated_release: f64,
+    /// Dissipated by implicit steps.
+    pub dissipated_step: f64,
+    /// Kinetic energy removed when bodies were frozen.
+    pub frozen: f64,
+    /// Exchanged so far.
+    pub exchanged: f64,
     /// All that was dissipated.
     pub dissipated: f64,
     /// All energy now, plus what was dissipated, minus all that was put in: the error of the time integration.
@@ -81,6 +111,7 @@ pub extern "C" fn femdem_world_state(
                 residual: world.residuals().max_over_load,
                 steps: world.steps(),
                 body_count: world.rigid_count(),
+                deformable_count: world.deformable_count(),
                 awake_count: world.awake_count(),
                 wall_count: world.walls().count(),
             });
@@ -119,12 +150,26 @@ pub extern "C" fn femdem_world_ledger(
                 by_hand: ledger.by_hand,
                 work_in: ledger.work_in,
                 load_work: ledger.load_work,
+                lent: ledger.lent,
                 kinetic: ledger.kinetic,
                 potential: ledger.potential,
                 elastic: ledger.elastic,
+                strain: ledger.strain,
                 friction_springs: ledger.friction_springs,
+                cracks: ledger.cracks,
+                bonds: ledger.bonds,
                 dissipated_friction: ledger.dissipated_friction,
                 dissipated_damping: ledger.dissipated_damping,
+                dissipated_medium: ledger.dissipated_medium,
+                dissipated_viscous: ledger.dissipated_viscous,
+                dissipated_plastic: ledger.dissipated_plastic,
+                dissipated_bridges: ledger.dissipated_bridges,
+                dissipated_fracture: ledger.dissipated_fracture,
+                dissipated_bonds: ledger.dissipated_bonds,
+                dissipated_release: ledger.dissipated_release,
+                dissipated_step: ledger.dissipated_step,
+                frozen: ledger.frozen,
+                exchanged: ledger.exchanged,
                 dissipated: ledger.dissipated(),
                 error: ledger.error(),
                 error_relative: ledger.error_relative(),

@@ -6,12 +6,13 @@ world. Results are the same bits as those of the program ``femdem``, for any num
 - :class:`Shape` and :class:`World`: bodies that you step yourself.
 - :class:`ContactBatch`: contacts for a host that moves the bodies.
 - :func:`pack` and :func:`run`: what the program does with ``femdem pack`` and ``femdem run``.
-- :func:`resume`, :func:`analyse`, :func:`report`, :func:`resolve`, :func:`command`: its other commands.
+- :func:`resume`, :func:`analyse`, :func:`report`, :func:`resolve`, :func:`stresses`, :func:`pores`, :func:`command`: its
+  other commands.
 - :class:`Result`: a folder of results, with its bodies and contacts as arrays.
 """
 
 from ._batch import ContactBatch
-from ._commands import analyse, command, pack, report, resolve, resume, run
+from ._commands import analyse, command, pack, pores, report, resolve, resume, run, stresses
 from ._femdem import FemdemError, __version__, set_threads
 from ._result import Result
 from ._shape import Shape
@@ -27,9 +28,11 @@ __all__ = [
     "analyse",
     "command",
     "pack",
+    "pores",
     "report",
     "resolve",
     "resume",
     "run",
     "set_threads",
+    "stresses",
 ]

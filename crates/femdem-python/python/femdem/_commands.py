@@ -93,6 +93,26 @@ def resolve(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet:
     return _result(folder, out, "resolved")
 
 
+def stresses(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet: bool = True, **options: Any) -> Result:
+    """Finds the stresses inside the bodies of a pack, body by body, under the forces of their contacts: in seconds, where
+    :func:`resolve` lets all bodies deform together. ``table("stress.csv")`` of the result has them, Pa.
+
+    ``options``: ``strength`` (Pa), ``young`` (Pa), ``poisson``, ``mesh_size``, ``linear`` ...
+    """
+    command("stresses", _path(folder), out=out, quiet=quiet, **options)
+    return _result(folder, out, "stresses")
+
+
+def pores(folder: Folder, *, out: str | os.PathLike[str] | None = None, quiet: bool = True, **options: Any) -> Result:
+    """Makes the void of a pack usable by flow codes, as ``femdem pores`` does; ``summary`` of the result has the numbers, its
+    folder the voxels and surfaces.
+
+    ``options``: ``voxel`` (``"0.4mm"``), ``region``, ``sides``, ``contacts``, ``no_surface`` ...
+    """
+    command("pores", _path(folder), out=out, quiet=quiet, **options)
+    return _result(folder, out, "pores")
+
+
 def _path(folder: Folder) -> str:
     return os.fspath(folder.folder if isinstance(folder, Result) else folder)
 

@@ -22,7 +22,7 @@ from ._world import World
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_SUMMARIES = ("summary.json", "resolve.json")
+_SUMMARIES = ("summary.json", "resolve.json", "stresses.json", "pores.json")
 _STATES = ("pack.ckpt", "run.ckpt", "bodies.csv", "contacts.csv")
 
 

@@ -21,7 +21,7 @@ class Shape:
 
     ``Shape("dolos:waist=0.36", size=0.3)`` is a shape of ``femdem shapes``, with parameters as on the command line, by its
     size or its circumscribed ``diameter`` in m. ``Shape("sphere", diameter=0.02)`` is the exact ball. See also
-    :meth:`from_arrays`, :meth:`convex_hull` and :meth:`from_file`.
+    :meth:`from_arrays`, :meth:`from_tetrahedra`, :meth:`convex_hull` and :meth:`from_file`.
 
     A rigid body that is not convex gets tetrahedra for its contacts; ``mesh_size`` is their edge length over the diameter.
     """
@@ -54,6 +54,19 @@ class Shape:
         return cls._of(_femdem.Shape.of_arrays(name, vertices, lists, mesh_size))
 
     @classmethod
+    def from_tetrahedra(
+        cls, points: ArrayLike, tets: Sequence[Sequence[int]] | NDArray[Any], *, name: str = "body"
+    ) -> Shape:
+        """A body of tetrahedra (n, 4) of points (m, 3) in m, which deformable bodies of it have as they are given.
+
+        Of a file that meshio reads: ``Shape.from_tetrahedra(mesh.points, mesh.cells_dict["tetra"])``.
+        """
+        lists = [[index(f"tets[{k}]", i) for i in tet] for k, tet in enumerate(tets)]
+        if any(len(corners) != 4 for corners in lists):
+            raise _femdem.FemdemError("tets needs four points in each row: give an array (n, 4)")
+        return cls._of(_femdem.Shape.of_tetrahedra(name, points, lists))
+
+    @classmethod
     def convex_hull(cls, points: ArrayLike, *, name: str = "hull") -> Shape:
         """The convex hull of points (n, 3) in m."""
         return cls._of(_femdem.Shape.of_arrays(name, points, None, None))
@@ -68,7 +81,8 @@ class Shape:
         diameter: float | None = None,
         mesh_size: float | None = None,
     ) -> Shape:
-        """The surface in an OBJ, STL, OFF or PLY file, with coordinates in ``unit``, or scaled to a ``diameter`` in m."""
+        """The surface in an OBJ, STL, OFF or PLY file, with coordinates in ``unit``, or scaled to a ``diameter`` in m; or the
+        tetrahedra in a MSH file of Gmsh."""
         return cls._of(_femdem.Shape.of_file(os.fspath(path), unit, repair, diameter, mesh_size))
 
     def save(self, path: str | os.PathLike[str]) -> None:

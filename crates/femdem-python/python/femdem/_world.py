@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _femdem
 from ._options import MATERIALS, as_json, bodies_list, entries, entry, index, vector
-from ._others import Bodies, Surface, placed
+from ._others import Bodies, Surface, need, placed
 from ._shape import Shape
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ class World(Bodies):
 
     @classmethod
     def from_folder(cls, folder: str | os.PathLike[str]) -> World:
-        """The world in the checkpoint of a pack or a run. Sources, controls and loads of a scene stay behind."""
+        """The world in the checkpoint of a pack or a run, with its controlled walls. Sources, openings and loads that turn or
+        change stay behind."""
         return cls._of(_femdem.World.from_folder(os.fspath(folder)))
 
     @classmethod
@@ -121,10 +122,12 @@ class World(Bodies):
 
         ``matter`` has the keys of a material in a scene: ``density``, ``law``, ``young``, ``poisson`` and those of the law.
         With a ``fracture`` (``tensile``, ``cohesion``, ``friction_angle``, ``energy`` ...) they break: :meth:`cracks`.
-        ``mesh_size`` is the edge length of the tetrahedra over the diameter, 0.2 if left out; ``contact_ratio`` the stiffness
-        of the contacts over that of the body. ``boundary`` are conditions as in a scene, on nodes chosen in the coordinates of
-        the shape: ``[{"select": {"plane": {"normal": [0, 0, 1], "offset": -0.05}}, "fix": True}]``; see :meth:`release`. The
-        times of ``rise`` and ``table`` are those of the world, not since the body was added.
+        ``mesh_size`` is the edge length of the tetrahedra over the diameter, 0.2 if left out; a shape of tetrahedra has its
+        own. ``element`` is ``t4``, ``t4_nodal_pressure``, ``t10`` or ``t10_fbar``; ``contact_ratio`` the stiffness of the
+        contacts over that of the body, which scenes with prescribed motions take as 10. ``boundary`` are
+        conditions as in a scene, on nodes chosen in the coordinates of the shape:
+        ``[{"select": {"plane": {"normal": [0, 0, 1], "offset": -0.05}}, "fix": True}]``; see :meth:`release`. The times of
+        ``rise`` and ``table`` are those of the world, not since the body was added.
         """
         text = entry("matter", matter)
         kind = index("material", material, MATERIALS)
@@ -136,15 +139,17 @@ class World(Bodies):
         """Adds a wall, described by one of the keys of a wall in a scene, and returns its number; a box has several.
 
         ``plane={"normal": [0, 0, 1], "offset": 0}``, ``box={"lower": [...], "upper": [...], "open": True}``, ``cylinder``,
-        ``cone``, ``silo``, ``hopper``, ``plate``, ``file``; and ``motion``.
+        ``cone``, ``silo``, ``hopper``, ``plate``, ``file``; and ``motion``, or ``control``: a servo that moves a plane so that it
+        presses with ``control={"force": 20, "speed": 0.1}``, N and m/s, or the walls of a box under a ``stress`` (Pa) or
+        ``strain_rate`` (1/s) along ``x``, ``y`` and ``z``; see :attr:`controlled_cells`.
         """
-        for key in ("control", "opens"):
-            if key in wall:
-                raise _femdem.FemdemError(f"{key} is for the walls of scenes: leave it out, and use drive_wall or remove_wall")
+        if "opens" in wall:
+            raise _femdem.FemdemError("opens is for the walls of scenes: leave it out, and use remove_wall")
         return self._world.add_wall(name, entry("wall", wall), index("material", material, MATERIALS))
 
     def drive_wall(self, wall: int, motion: Mapping[str, Any] | None) -> None:
-        """Gives a wall another motion, counted from where it is; ``None`` holds it."""
+        """Gives a wall another motion, counted from where it is; ``None`` holds it. The control of it ends, and that of walls
+        which move with it: they stand."""
         self._world.drive_wall(index("wall", wall), None if motion is None else entry("motion", motion))
 
     def remove_wall(self, wall: int) -> None:
@@ -226,11 +231,18 @@ class World(Bodies):
         self._world.set_cell(lengths)
 
     def deform_cell(self, rates: ArrayLike) -> None:
-        """Lets the edges of the cell move with velocities (3, 3), m/s, its columns, and all free bodies with space."""
+        """Lets the edges of the cell move with velocities (3, 3), m/s, its columns, and all free bodies with space. A control of
+        the cell ends."""
         matrix = np.asarray(rates, dtype=np.float64)
         if matrix.shape != (3, 3):
             raise _femdem.FemdemError(f"rates has the shape {matrix.shape}, and (3, 3) is needed")
         self._world.deform_cell(matrix.tolist())
+
+    def control_cell(self, **control: Any) -> None:
+        """Lets a cell that repeats itself along all axes follow ``x``, ``y`` and ``z``, each a dict of a ``stress`` (Pa) with the
+        largest ``speed`` (m/s) or of a ``strain_rate`` (1/s), and ``shear={"rate": ...}`` (1/s), as in a scene. Without any it
+        keeps its edges."""
+        self._world.control_cell(entry("control", control) if control else None)
 
     def set_sleeping(self, enabled: bool) -> None:
         """Whether bodies at rest are frozen."""
@@ -443,6 +455,13 @@ class World(Bodies):
         stress = self._world.cell_stress()
         return None if stress is None else np.array(stress)
 
+    @property
+    def controlled_cells(self) -> list[dict[str, Any]]:
+        """The boxes with controlled walls, and a controlled cell: ``name``, ``sides`` (m), ``stress`` (Pa, positive in compression),
+        ``strain``, ``solid_fraction``, and ``errors`` of the stresses that are controlled, over them."""
+        found: list[dict[str, Any]] = json.loads(self._world.controlled_cells())
+        return found
+
     def ledger(self) -> dict[str, float]:
         """The energy ledger, J; ``error`` is what is missing in it, and ``error_relative`` that over the energy turned over."""
         text, error, relative = self._world.ledger()
@@ -454,8 +473,17 @@ class World(Bodies):
         return found
 
     def state_hash(self) -> int:
-        """A checksum of the whole state, to compare runs."""
+        """A checksum of the state of bodies, walls and contacts, to compare runs."""
         return self._world.state_hash()
+
+    def to_meshio(self, body: int | None = None) -> Any:
+        """The surfaces of all bodies as one ``meshio.Mesh``, with the number of the body in each cell; or the tetrahedra of a
+        deformable ``body``, with the ``velocity`` of its nodes (m/s) and the ``stress`` in its cells (Pa)."""
+        if body is None:
+            return super().to_meshio()
+        points, velocities = self.nodes(body)
+        cells, data = [("tetra", self.cells(body)[0])], {"stress": [self.stresses(body)]}
+        return need("meshio").Mesh(points, cells, point_data={"velocity": velocities}, cell_data=data)
 
     def _surfaces(self) -> tuple[list[int], list[Surface]]:
         ids, surfaces = self.rigid_ids.tolist(), placed(self.shapes, self.shape_ids, self.poses)

@@ -6,15 +6,17 @@ use femdem::contact::{BodyId, MaterialId};
 use femdem::fem::DeformableModel;
 use femdem::fem::element::Element;
 use femdem::mesh::Vector3;
-use femdem::run::{FractureEntry, MaterialEntry, MotionEntry, WallEntry};
-use femdem::solve::{self, BodySpec, ContactStiffness, DeformableSpec, ShapeId, SolveError};
+use femdem::run::{Controls, FractureEntry, MaterialEntry, MotionEntry, WallEntry, density_factor};
+use femdem::solve::{
+    self, BodySpec, ContactStiffness, DeformableSpec, ShapeId, SolveError, WorldParameters,
+};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::World;
 use crate::arrays::{column, poses, rows_for};
 use crate::error::{FemdemError, choice, options, refused, wrong};
-use crate::shape::{Shape, tetrahedra};
+use crate::shape::Shape;
 use crate::threads::unlocked;
 
 /// Size of the tetrahedra of deformable bodies in circumscribed diameters, as in scenes.
@@ -131,6 +133,10 @@ impl World {
         let places = poses(places)?;
         let motions = motions(velocity, angular_velocity, places.len())?;
         let form = shape.get().solid()?;
+        if let Some(size) = mesh_size.filter(|_| form.has_tetrahedra()) {
+            let allowed = "leave it out: the shape has tetrahedra of its own";
+            return Err(wrong("mesh_size", size, allowed));
+        }
         let made = format!("{matter} {mesh_size:?} {element} {contact_ratio}");
         let mut known = self.models.iter();
         let known = known.find(|(of, how, _)| Arc::ptr_eq(of, form) && *how == made);
@@ -142,8 +148,9 @@ impl World {
         } else {
             let element: Element = choice("element", element)?;
             let model = unlocked(py, || {
-                let region = matter.region()?;
-                let mesh = tetrahedra(&form.surface, Some(mesh_size.unwrap_or(MESH_SIZE)))?;
+                let mut region = matter.region()?;
+                let mesh = form.tetrahedra(mesh_size.unwrap_or(MESH_SIZE))?;
+                region.density *= density_factor(&form.surface, &mesh);
                 let model = DeformableModel::new(&mesh, element, vec![region], None)?;
                 let stiffness = ContactStiffness::Ratio(contact_ratio);
                 Ok::<_, femdem::Error>(self.world.add_model(&form.name, model, stiffness)?)
@@ -174,23 +181,39 @@ impl World {
         material: u8,
     ) -> PyResult<Vec<u32>> {
         let entry: WallEntry = options("wall", entry)?;
-        let before: Vec<u32> = self.world.walls().map(|(id, _)| id).collect();
+        let (world, controls) = (&mut self.world, &mut self.controls);
+        let add = |world: &mut solve::World, controls: &mut Controls| {
+            let before: Vec<u32> = world.walls().map(|(id, _)| id).collect();
+            entry.add_to(name, MaterialId(material), world)?;
+            let ids = world.walls().map(|(id, _)| id);
+            let ids: Vec<u32> = ids.filter(|id| !before.contains(id)).collect();
+            controls.control_walls(&entry, name, &ids, world)?;
+            Ok::<_, femdem::Error>(ids)
+        };
         unlocked(py, || {
-            entry.add_to(name, MaterialId(material), &mut self.world)
-        })?;
-        let ids = self.world.walls().map(|(id, _)| id);
-        Ok(ids.filter(|id| !before.contains(id)).collect())
+            // Another world tells first whether it can be controlled.
+            let mut trial = solve::World::new(WorldParameters::default())?;
+            add(&mut trial, &mut Controls::default())?;
+            add(world, controls)
+        })
     }
 
-    /// Gives a wall another motion, counted from where it is; `None` holds it.
+    /// Gives a wall another motion, counted from where it is; `None` holds it. Its control ends.
     fn drive_wall(&mut self, wall: u32, motion: Option<&str>) -> PyResult<()> {
         let motion: Option<MotionEntry> = motion.map(|text| options("motion", text)).transpose()?;
         let drive = motion.map(|motion| motion.drive()).unwrap_or_default();
+        drive.validate().map_err(refused)?;
+        let released = self.controls.release(wall, &mut self.world);
+        released.map_err(refused)?;
         self.world.drive_wall(wall, drive).map_err(refused)
     }
 
     fn remove_wall(&mut self, py: Python<'_>, wall: u32) -> PyResult<()> {
-        unlocked(py, || self.world.remove_wall(wall))
+        let (world, controls) = (&mut self.world, &mut self.controls);
+        unlocked(py, || {
+            controls.release(wall, world)?;
+            world.remove_wall(wall)
+        })
     }
 }
 

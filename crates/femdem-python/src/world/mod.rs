@@ -14,10 +14,12 @@ use std::time::{Duration, Instant};
 use femdem::contact::{ContactParameters, MaterialId};
 use femdem::mesh::Vector3;
 use femdem::results::{PACK_CHECKPOINT, SavedPack};
-use femdem::run::Run;
+use femdem::run::{Controls, Run};
+use femdem::solve::checkpoint::{decode, encode};
 use femdem::solve::{self, ModelId, SolveError, WorldParameters};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{options, refused};
 use crate::shape::Form;
@@ -34,15 +36,25 @@ pub struct World {
     shapes: Vec<Arc<Form>>,
     /// The models of deformable bodies that came from here: of what shape, and how they were made.
     models: Vec<(Arc<Form>, String, ModelId)>,
+    /// What its controlled walls and its cell are to do.
+    controls: Controls,
 }
 
-impl From<solve::World> for World {
-    fn from(world: solve::World) -> Self {
+/// A world as bytes.
+#[derive(Serialize, Deserialize)]
+struct Stored<C> {
+    world: Vec<u8>,
+    controls: C,
+}
+
+impl World {
+    fn of(world: solve::World, controls: Controls) -> Self {
         let shapes = world.shapes().iter();
         Self {
             shapes: shapes.map(|shape| Arc::new(Form::from(shape))).collect(),
             models: Vec::new(),
             world,
+            controls,
         }
     }
 }
@@ -52,35 +64,48 @@ impl World {
     #[new]
     fn new(parameters: &str) -> PyResult<Self> {
         let parameters: WorldParameters = options("World", parameters)?;
-        Ok(solve::World::new(parameters).map_err(refused)?.into())
+        let world = solve::World::new(parameters).map_err(refused)?;
+        Ok(Self::of(world, Controls::default()))
     }
 
     /// The world of the bytes of `to_bytes`.
     #[staticmethod]
     fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
-        Ok(unlocked(py, || solve::World::from_bytes(bytes))?.into())
+        let (world, controls) = unlocked(py, || {
+            let stored: Stored<Controls> = decode(bytes)?;
+            let world = solve::World::from_bytes(&stored.world)?;
+            Ok::<_, SolveError>((world, stored.controls))
+        })?;
+        Ok(Self::of(world, controls))
     }
 
     /// The world of a checkpoint in the folder of a pack or a run.
     #[staticmethod]
     fn from_folder(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
-        let world = unlocked(py, || {
+        let (world, controls) = unlocked(py, || {
             if folder.join(PACK_CHECKPOINT).is_file() {
-                return SavedPack::read(&folder).map(|saved| saved.packing.into_world());
+                let packing = SavedPack::read(&folder)?.packing;
+                return Ok((packing.into_world(), Controls::default()));
             }
             let (run, _) = Run::read(&folder)?;
-            Ok(run.simulation().world.clone())
+            let simulation = run.simulation();
+            let parts = (simulation.world.clone(), simulation.controls.clone());
+            Ok::<_, femdem::Error>(parts)
         })?;
-        Ok(world.into())
+        Ok(Self::of(world, controls))
     }
 
     /// The whole state.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = unlocked(py, || self.world.to_bytes())?;
+        let bytes = unlocked(py, || {
+            let world = self.world.to_bytes()?;
+            let controls = &self.controls;
+            encode(&Stored { world, controls })
+        })?;
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// A checksum of the whole state.
+    /// A checksum of the state of bodies, walls and contacts.
     fn state_hash(&self, py: Python<'_>) -> PyResult<u64> {
         unlocked(py, || self.world.state_hash())
     }
@@ -88,14 +113,18 @@ impl World {
     /// Takes at most so many steps, or steps until a time is reached, without the interpreter lock; returns how many it took.
     /// Ctrl-C ends it between two of them.
     fn step(&mut self, py: Python<'_>, steps: u64, until: f64) -> PyResult<u64> {
-        let world = &mut self.world;
+        let (world, controls) = (&mut self.world, &mut self.controls);
         let first = world.steps();
         let last = first.saturating_add(steps);
         while world.steps() < last && world.time() < until {
             unlocked(py, || {
                 let began = Instant::now();
                 while world.steps() < last && world.time() < until && began.elapsed() < BREATH {
-                    world.step()?;
+                    if controls.is_empty() {
+                        world.step()?;
+                    } else {
+                        controls.step(world)?;
+                    }
                 }
                 Ok::<_, SolveError>(())
             })?;

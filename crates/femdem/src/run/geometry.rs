@@ -40,16 +40,22 @@ struct Source {
 }
 
 impl Geometry {
-    /// By how much the density of the tetrahedra must be larger than that of the material for the body to have the mass
-    /// that its surface encloses: a mesh that is not exact cuts off what is convex.
+    /// [`density_factor`] of its tetrahedra.
     pub fn density_factor(&self) -> f64 {
-        let Some(mesh) = &self.mesh else { return 1.0 };
-        let factor = self.surface.mass_properties().volume / mesh.volume();
-        if (factor - 1.0).abs() > EXACT {
-            factor
-        } else {
-            1.0
-        }
+        let mesh = self.mesh.as_ref();
+        mesh.map_or(1.0, |mesh| density_factor(&self.surface, mesh))
+    }
+}
+
+/// By how much the density of tetrahedra must be larger than that of the material for the body to have the mass
+/// that its surface encloses: a mesh that is not exact cuts off what is convex.
+#[must_use]
+pub fn density_factor(surface: &Polyhedron, mesh: &TetMesh) -> f64 {
+    let factor = surface.mass_properties().volume / mesh.volume();
+    if (factor - 1.0).abs() > EXACT {
+        factor
+    } else {
+        1.0
     }
 }
 

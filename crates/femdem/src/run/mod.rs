@@ -118,6 +118,7 @@ pub use ending::Ending;
 pub use fidelity::{FidelityRecord, FidelitySummary};
 pub use flow::{FLOW_COLUMNS, Flow, FlowSummary, GateEntry, SourceEntry};
 pub use fracture::{FractureEntry, WeibullEntry};
+pub use geometry::density_factor;
 pub use history::{HISTORY_COLUMNS, MEMBER_COLUMNS};
 pub use hopper::HopperEntry;
 pub use job::Run;

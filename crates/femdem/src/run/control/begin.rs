@@ -1,5 +1,6 @@
 //! The beginning of control.
 
+use super::host::volume_within;
 use super::periodic::ControlledCell;
 use super::{BoxWalls, Controls};
 use crate::Error;
@@ -20,7 +21,8 @@ impl Simulation {
             let solid = match &entry.r#box {
                 Some(space) => {
                     let now = BoxWalls::new(space, walls, &self.world);
-                    self.volume_within(now.corners(&self.world))
+                    let members = self.members.iter().map(|member| member.id);
+                    volume_within(&self.world, members, now.corners(&self.world))
                 }
                 None => 0.0,
             };
@@ -40,21 +42,5 @@ impl Simulation {
         }
         self.controls = controls;
         Ok(())
-    }
-
-    /// Volume of the bodies whose centroids lie in a box \[m³\].
-    fn volume_within(&self, [lower, upper]: [[f64; 3]; 2]) -> f64 {
-        let volumes = self.members.iter().filter_map(|member| {
-            let x = self.world.position(member.id)?;
-            let inside = (0..3).all(|k| x[k] >= lower[k] && x[k] <= upper[k]);
-            let rigid = self.world.shape_of(member.id);
-            let rigid = rigid.and_then(|shape| Some(self.world.shape(shape)?.volume));
-            let volume = rigid.or_else(|| {
-                let body = self.world.deformable(member.id)?;
-                Some(body.model().volumes().iter().sum())
-            });
-            volume.filter(|_| inside)
-        });
-        volumes.sum()
     }
 }

@@ -6,6 +6,7 @@
 mod begin;
 mod cell;
 mod entry;
+mod host;
 mod periodic;
 
 use femdem_contact::{Partner, WallShape};
@@ -213,8 +214,12 @@ impl Controls {
         }
     }
 
-    /// Takes a step of the world, in which the controlled walls move.
-    pub(super) fn step(&mut self, world: &mut World) -> Result<(), femdem_solve::SolveError> {
+    /// Takes a step of the world, in which the controlled walls and the cell move.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`World::step`].
+    pub fn step(&mut self, world: &mut World) -> Result<(), femdem_solve::SolveError> {
         if !self.groups.is_empty() {
             self.plan(world);
         }

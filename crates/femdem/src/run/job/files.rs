@@ -123,7 +123,10 @@ impl Run {
         let walls = scenario.moves_walls() || scenario.looks_at(&WALL_HISTORY_COLUMNS);
         let members = scenario.track || scenario.looks_at(&MEMBER_COLUMNS);
         let of = |wanted: bool, rows: fn(&Simulation, &ContactForces) -> Vec<Vec<String>>| {
-            wanted.then(|| rows(simulation, forces)).unwrap_or_default()
+            match wanted {
+                true => rows(simulation, forces),
+                false => Vec::new(),
+            }
         };
         Rows {
             history: history::history_row(simulation, contacts.len(), forces, reactions),
