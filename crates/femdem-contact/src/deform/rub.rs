@@ -264,9 +264,12 @@ impl Pair<'_> {
         Some((velocity, mobility))
     }
 
-    /// Springs that carry a given friction, in proportion to the normal loads of their triangles.
+    /// Springs that carry a given friction, in proportion to the normal loads of their triangles; none where the dashpots leave none.
     fn begin(&self, start: &FrictionStart, touches: &[(u32, Touch)]) -> Vec<Bristle> {
         let pressing: f64 = touches.iter().map(|(_, t)| t.force).sum();
+        if pressing <= 0.0 {
+            return self.inherit(Vec::new(), touches);
+        }
         let centre: Vector3 = touches.iter().map(|(_, t)| t.point * t.force).sum();
         let centre = centre / pressing;
         let normal: Vector3 = touches.iter().map(|(_, t)| t.normal * t.force).sum();

@@ -5,7 +5,7 @@ use crate::error::SolveError;
 use femdem_fem::DeformableModel;
 use femdem_fem::ElementStress;
 use femdem_fem::fracture::Strength;
-use femdem_fem::free_body::{FreeBody, PatchLoad, Solved};
+use femdem_fem::free_body::{FreeBody, Solved};
 use femdem_mesh::{Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -45,13 +45,8 @@ impl Basis {
         Ok(Self { free, unit })
     }
 
-    /// Displacements and stresses under the loads of contacts, in the coordinates of the model.
-    pub fn solve(&self, loads: &[PatchLoad]) -> Result<Solved, SolveError> {
-        Ok(self.free.solve_patches(loads)?)
-    }
-
-    /// The same under forces on nodes, N.
-    pub fn solve_nodal(&self, forces: &[Vector3]) -> Result<Solved, SolveError> {
+    /// Displacements and stresses under forces on nodes (N), in the coordinates of the model.
+    pub fn solve(&self, forces: &[Vector3]) -> Result<Solved, SolveError> {
         Ok(self.free.solve(forces)?)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use crate::world::World;
-use femdem_contact::{BodyId, Partner};
+use femdem_contact::{BodyId, ContactBatch, Partner};
 use femdem_mesh::Vector3;
 use std::collections::BTreeMap;
 
@@ -17,6 +17,31 @@ struct Carried {
 
 /// The friction of the pairs of a body, by A and B.
 pub(super) struct Friction(BTreeMap<(Partner, BodyId), Carried>);
+
+impl Friction {
+    /// Starts the contact of `partner` and body `id`, which are `new` and `body` in a batch where the latter is deformable, with the
+    /// friction that they have.
+    pub fn begin(
+        &self,
+        batch: &mut ContactBatch,
+        (partner, id): (Partner, BodyId),
+        (new, body): (Partner, BodyId),
+    ) -> Result<(), SolveError> {
+        let seen_from_it = self.0.get(&(partner, id)).map(|own| (own.force, own.torsion));
+        let own = seen_from_it.or_else(|| match partner {
+            // The moment about the normal is the same seen from either.
+            Partner::Body(other) => {
+                let own = self.0.get(&(Partner::Body(id), other))?;
+                Some((-own.force, own.torsion))
+            }
+            Partner::Wall(_) => None,
+        });
+        if let Some((force, torsion)) = own {
+            batch.begin_friction(new, body, force, torsion)?;
+        }
+        Ok(())
+    }
+}
 
 impl World {
     /// What the friction springs of a body carry now.

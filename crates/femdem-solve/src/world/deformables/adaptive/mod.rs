@@ -12,8 +12,10 @@ mod friction;
 mod harden;
 mod looks;
 mod query;
+mod screen;
 mod soften;
 mod spin;
+mod trial;
 
 use super::fracture::Breakable;
 use super::{ContactStiffness, ModelId};
@@ -23,7 +25,7 @@ use crate::world::World;
 use basis::Basis;
 use femdem_contact::{BodyId, ContactLaws, Field, MaterialId, WallResponse};
 use femdem_fem::DeformableModel;
-use looks::Screen;
+use screen::Screen;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 

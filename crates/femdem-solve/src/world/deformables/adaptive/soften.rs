@@ -8,7 +8,7 @@ use super::super::fracture::Breakable;
 use super::super::{ContactStiffness, DeformableSpec, Model, State};
 use super::basis::worst;
 use super::spin::Kept;
-use super::{Adaptive, Fidelity, FidelityChange};
+use super::{Adaptive, AdaptiveBody, Fidelity, FidelityChange};
 use crate::Ledger;
 use crate::body::Body;
 use crate::error::SolveError;
@@ -23,10 +23,10 @@ use femdem_mesh::{Point3, Pose, TetMesh, Vector3};
 use std::sync::Arc;
 
 /// A rigid body that is to become deformable.
-struct Solid {
+pub(super) struct Solid {
     adaptive: Adaptive,
     mesh: TetMesh,
-    pose: Pose,
+    pub pose: Pose,
     kept: Kept,
     /// Acceleration by its external load, m/s^2.
     pull: Vector3,
@@ -37,7 +37,9 @@ struct Solid {
 impl World {
     /// Makes a rigid body deformable.
     pub(super) fn soften(&mut self, id: BodyId) -> Result<(), SolveError> {
-        let Some(solid) = self.solid(id) else {
+        let own = self.adaptives.as_deref();
+        let own = own.and_then(|all| all.bodies.get(&id));
+        let Some(solid) = own.and_then(|own| self.solid(id, own)) else {
             return Ok(());
         };
         let before = self.ledger();
@@ -61,8 +63,8 @@ impl World {
         Ok(())
     }
 
-    fn solid(&self, id: BodyId) -> Option<Solid> {
-        let own = self.adaptives.as_deref()?.bodies.get(&id)?;
+    /// A rigid body as it is now.
+    pub(super) fn solid(&self, id: BodyId, own: &AdaptiveBody) -> Option<Solid> {
         let body = &self.bodies[id as usize];
         let shape = &self.shapes[body.shape as usize];
         Some(Solid {
@@ -115,7 +117,7 @@ impl World {
         let back = solid.pose.rotation.inverse();
         let forces = self.batch.nodal_loads(id).forces.iter();
         let forces: Vec<Vector3> = forces.map(|f| back * f).collect();
-        let solved = basis.solve_nodal(&forces)?;
+        let solved = basis.solve(&forces)?;
         let strength = &solid.adaptive.fracture.strength;
         let ratio = worst(strength, solved.corners(), factors);
         let model = self.model_of(solid, solved.displacements())?;
@@ -139,7 +141,7 @@ impl World {
         Ok(ratio)
     }
 
-    fn modulus_of(&self, id: BodyId) -> Modulus {
+    pub(super) fn modulus_of(&self, id: BodyId) -> Modulus {
         let material = self.batch.material(id).unwrap_or_default();
         Modulus::Penalty(self.batch.laws().between([material; 2]).penalty)
     }
@@ -212,15 +214,21 @@ impl World {
 }
 
 impl Solid {
-    /// Its nodes where they are as a rigid body, moving as it does.
-    fn state(&self, model: &Model, time: f64) -> Result<State, SolveError> {
+    /// Positions (m) and velocities (m/s) of its nodes with these masses (kg).
+    pub fn nodes(&self, masses: &[f64]) -> Result<(Vec<Vector3>, Vec<Vector3>), SolveError> {
         let places = self.mesh.points().iter();
         let places: Vec<Vector3> = places.map(|x| (self.pose * x).coords).collect();
-        let velocities = self.kept.velocities(&places, model.model.masses());
+        let velocities = self.kept.velocities(&places, masses);
         let velocities = velocities.ok_or(SolveError::CannotAdapt {
             needs: "nodes that turn with it",
             found: "nodes on a line",
         })?;
+        Ok((places, velocities))
+    }
+
+    /// Its nodes where they are as a rigid body, moving as it does.
+    fn state(&self, model: &Model, time: f64) -> Result<State, SolveError> {
+        let (places, velocities) = self.nodes(model.model.masses())?;
         let spec = DeformableSpec::at_rest(0, Pose::identity());
         let mut state = State::new(&spec, &model.model, time)?;
         state.put(model, &places, &velocities, time)?;
