@@ -5,14 +5,15 @@ use super::pairs::Cache;
 use crate::body_shape::{BodyShape, Kind};
 use crate::contact::{BodyId, Load, Partner};
 use crate::deform::{DeformableShape, Modulus};
-use crate::error::{ContactError, check};
+use crate::error::ContactError;
 use crate::motion::Motion;
-use femdem_mesh::Vector3;
+use crate::spring_load::{Part, SpringLoad};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl ContactBatch {
     /// Makes a rigid body deformable, awake, with the shape of deformable bodies of index `shape`. It keeps its number and its material. Its
-    /// contacts end with their history, its bonds too: start them [with friction](Self::begin_friction). Returns the bodies that it
+    /// contacts end with their history, its bonds too: start them with [what their springs carry](Self::begin_springs). Returns the bodies that it
     /// touched, ascending.
     ///
     /// # Errors
@@ -48,8 +49,8 @@ impl ContactBatch {
     }
 
     /// Makes a deformable body rigid, awake, with the shape of index `shape`. It keeps its number and its material. Its contacts end
-    /// with their history: once an update has found the new ones, [`set_friction`](Self::set_friction) continues that with rigid bodies and walls,
-    /// [`begin_friction`](Self::begin_friction) before it that with deformable ones. Returns the bodies that it touched, ascending.
+    /// with their history: once an update has found the new ones, [`set_springs`](Self::set_springs) continues that with rigid bodies and walls,
+    /// [`begin_springs`](Self::begin_springs) before it that with deformable ones. Returns the bodies that it touched, ascending.
     ///
     /// # Errors
     /// [`ContactError::NoSuch`] if there is no such deformable body or shape.
@@ -107,27 +108,20 @@ impl ContactBatch {
         Ok(())
     }
 
-    /// Gives a contact of two rigid bodies, or of one with a wall, of which a mesh is a side, friction springs that carry a force on B (N) and a
-    /// moment on B about the normal (N m), instead of those that it has; patches share them in proportion to their normal forces. They
+    /// Gives the springs of a contact of two rigid bodies, or of one with a wall, of which a mesh is a side, a load instead of that which they
+    /// carry; patches share it in proportion to their normal forces. They
     /// act from the next update on, within the bound of friction. Nothing happens if the two do not touch. `motions` are those of
     /// the last update, of bodies and of walls.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] if the force or the moment is not finite, [`ContactError::StateCount`] if a motion is missing.
-    pub fn set_friction(
+    /// [`ContactError::Parameter`] if the load is not finite, [`ContactError::StateCount`] if a motion is missing.
+    pub fn set_springs(
         &mut self,
         (a, b): (Partner, BodyId),
-        force: Vector3,
-        torsion: f64,
+        load: &SpringLoad,
         [bodies, walls]: [&[Motion]; 2],
     ) -> Result<(), ContactError> {
-        check(
-            "force",
-            force.norm(),
-            true,
-            "finite in every component, in N",
-        )?;
-        check("torsion", torsion, true, "finite, in N m")?;
+        load.check()?;
         let (of_a, number) = match a {
             Partner::Body(body) => (bodies, body),
             Partner::Wall(wall) => (walls, wall),
@@ -152,10 +146,27 @@ impl ContactBatch {
         if pressing > 0.0 {
             for patch in &mut mesh.patches {
                 let share = patch.contact.normal_force / pressing;
-                patch.carry([of_a, of_b], force * share, torsion * share, ratio);
+                patch.carry([of_a, of_b], &load.share(share), ratio);
             }
         }
         Ok(())
+    }
+
+    /// What the springs of the contacts of a body with others carry, by pair.
+    pub fn springs_of(&self, body: BodyId) -> BTreeMap<(Partner, BodyId), SpringLoad> {
+        let mut pairs: BTreeMap<(Partner, BodyId), Vec<Part>> = BTreeMap::new();
+        for contact in self.rigid_contacts_of(body) {
+            let parts = pairs.entry((contact.a, contact.b)).or_default();
+            parts.push(contact.into());
+        }
+        let part = self.deformable.iter();
+        for (pair, patch) in part.flat_map(|part| part.springs_of(body)) {
+            pairs.entry(pair).or_default().push(patch);
+        }
+        let pairs = pairs.into_iter();
+        pairs
+            .map(|(pair, parts)| (pair, SpringLoad::of_pair(&parts)))
+            .collect()
     }
 
     fn known_rigid(&self, body: BodyId) -> Result<(), ContactError> {

@@ -2,21 +2,11 @@
 
 use crate::error::SolveError;
 use crate::world::World;
-use femdem_contact::{BodyId, ContactBatch, Partner};
-use femdem_mesh::Vector3;
+use femdem_contact::{BodyId, ContactBatch, Partner, SpringLoad};
 use std::collections::BTreeMap;
 
-/// What the friction springs of a pair carry.
-#[derive(Debug, Clone, Copy, Default)]
-struct Carried {
-    /// On B, N.
-    force: Vector3,
-    /// On B about the normal, N m.
-    torsion: f64,
-}
-
-/// The friction of the pairs of a body, by A and B.
-pub(super) struct Friction(BTreeMap<(Partner, BodyId), Carried>);
+/// What the springs of the pairs of a body carry, by A and B.
+pub(super) struct Friction(BTreeMap<(Partner, BodyId), SpringLoad>);
 
 impl Friction {
     /// Starts the contact of `partner` and body `id`, which are `new` and `body` in a batch where the latter is deformable, with the
@@ -27,69 +17,50 @@ impl Friction {
         (partner, id): (Partner, BodyId),
         (new, body): (Partner, BodyId),
     ) -> Result<(), SolveError> {
-        let seen_from_it = self.0.get(&(partner, id)).map(|own| (own.force, own.torsion));
-        let own = seen_from_it.or_else(|| match partner {
-            // The moment about the normal is the same seen from either.
+        let own = self.0.get(&(partner, id)).copied();
+        let own = own.or_else(|| match partner {
             Partner::Body(other) => {
-                let own = self.0.get(&(Partner::Body(id), other))?;
-                Some((-own.force, own.torsion))
+                let load = self.0.get(&(Partner::Body(id), other))?;
+                Some(load.seen_from(true))
             }
             Partner::Wall(_) => None,
         });
-        if let Some((force, torsion)) = own {
-            batch.begin_friction(new, body, force, torsion)?;
+        match own {
+            Some(load) => Ok(batch.begin_springs(new, body, load)?),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 
 impl World {
-    /// What the friction springs of a body carry now.
+    /// What the springs of a body's contacts carry now.
     pub(super) fn friction_of(&self, id: BodyId) -> Friction {
-        let mut pairs: BTreeMap<(Partner, BodyId), Carried> = BTreeMap::new();
-        if self.batch.is_rigid(id) {
-            for contact in self.batch.rigid_contacts_of(id) {
-                let pair = pairs.entry((contact.a, contact.b)).or_default();
-                pair.force += contact.friction - contact.drag;
-                pair.torsion += contact.torsion - contact.drag_torsion;
-            }
-        }
-        let thing = Partner::Body(id);
-        let own = |a: Partner, b: BodyId| (a == thing) != (b == id);
-        let soft = self.batch.deformable_contacts();
-        for contact in soft.filter(|contact| own(contact.a, contact.b)) {
-            let pair = pairs.entry((contact.a, contact.b)).or_default();
-            pair.force += contact.friction;
-        }
-        Friction(pairs)
+        Friction(self.batch.springs_of(id))
     }
 
     /// Evaluates the contacts of a body that has become another kind, with the friction that they had.
     pub(super) fn meet_with(&mut self, friction: &Friction) -> Result<(), SolveError> {
         let mut rigid = Vec::new();
-        for (&(a, b), &Carried { force, torsion }) in &friction.0 {
+        for (&(a, b), &load) in &friction.0 {
             match a {
-                _ if self.batch.is_deformable(b) => {
-                    self.batch.begin_friction(a, b, force, torsion)?;
-                }
-                // The moment about the normal is the same seen from either.
+                _ if self.batch.is_deformable(b) => self.batch.begin_springs(a, b, load)?,
                 Partner::Body(i) if self.batch.is_deformable(i) => {
-                    self.batch
-                        .begin_friction(Partner::Body(b), i, -force, torsion)?;
+                    let load = load.seen_from(true);
+                    self.batch.begin_springs(Partner::Body(b), i, load)?;
                 }
                 Partner::Body(i) if i > b => {
-                    rigid.push((Partner::Body(b), i, -force, torsion));
+                    rigid.push((Partner::Body(b), i, load.seen_from(true)))
                 }
-                _ => rigid.push((a, b, force, torsion)),
+                _ => rigid.push((a, b, load)),
             }
         }
         self.touch(0.0)?;
         if rigid.is_empty() {
             return Ok(());
         }
-        for (a, b, force, torsion) in rigid {
+        for (a, b, load) in rigid {
             let motions = [&self.motions[..], &self.wall_motions];
-            self.batch.set_friction((a, b), force, torsion, motions)?;
+            self.batch.set_springs((a, b), &load, motions)?;
         }
         self.touch(0.0)
     }

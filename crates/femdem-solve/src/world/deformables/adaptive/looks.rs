@@ -126,7 +126,10 @@ impl World {
         let pose = rigid.pose(&self.shapes[rigid.shape as usize]);
         let now = pressed(id, &pose, contacts.iter().copied());
         let weakest = body.factors.iter().copied().fold(f64::INFINITY, f64::min);
-        if !body.screen.is_due(basis, weakest, &now, NEAR) {
+        if !body
+            .screen
+            .is_due([basis.unit / weakest, basis.reach()], &now, NEAR)
+        {
             return Ok(None);
         }
         let Some(forces) = self.nodal_forces_of(id, body, contacts)? else {

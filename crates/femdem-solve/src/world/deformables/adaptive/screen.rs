@@ -5,7 +5,6 @@
 //! and the inscribed diameter d; s is by how much the patch has moved, in d, and its area has shrunk, in itself. It is an estimate: c is
 //! found at some of the skin's nodes, and a force is spread otherwise than on one node.
 
-use super::basis::Basis;
 use femdem_contact::{BodyId, Contact, Partner};
 use femdem_mesh::{Point3, Pose, Vector3};
 use serde::{Deserialize, Serialize};
@@ -44,13 +43,12 @@ impl Screen {
         Self { ratio, forces }
     }
 
-    /// Whether the stresses under these forces may use `limit` of the strength, of which the smallest factor is `weakest`, and are not known
-    /// from the last solve.
-    pub fn is_due(&self, basis: &Basis, weakest: f64, now: &[Pressed], limit: f64) -> bool {
-        let reach = basis.reach();
+    /// Whether the stresses under these forces may use `limit` of the strength and are not known from the last solve, for a body of which a
+    /// unit force uses `unit` (1/N) and with the inscribed diameter `reach` (m).
+    pub fn is_due(&self, [unit, reach]: [f64; 2], now: &[Pressed], limit: f64) -> bool {
         let change = self.change(now, reach);
         let known: f64 = self.forces.iter().map(|old| old.size(reach)).sum();
-        change >= GROWN * known && self.ratio + basis.unit / weakest * change >= limit
+        change >= GROWN * known && self.ratio + unit * change >= limit
     }
 
     /// Sum of the changes of the forces, N: each patch of a partner is the nearest one that this had. `reach` is the inscribed diameter, m.
@@ -147,6 +145,24 @@ mod tests {
         // The other order of the same patches is no change.
         let [one, two] = jam(10.0);
         assert_eq!(screen.change(&[two, one], 0.01), 0.0);
+    }
+
+    /// A solve that found 0.69 is not made again each time that forces creep: only once they have changed by a twentieth.
+    #[test]
+    fn stresses_are_found_again_once_forces_have_grown() {
+        let wall = Partner::Wall(0);
+        let jam = |force: f64| [pressed(wall, -0.005, force), pressed(wall, 0.005, -force)];
+        let screen = Screen::new(0.69, jam(10.0).to_vec());
+        let is_due = |force: f64, unit: f64| screen.is_due([unit, 0.01], &jam(force), 0.7);
+        assert!(!is_due(10.4, 1.0));
+        assert!(is_due(10.6, 1.0));
+        assert!(is_due(9.4, 1.0));
+        // The estimate is 0.69 + 1.2 × 0.008.
+        assert!(!is_due(10.6, 0.008));
+        let unloaded = Screen::default();
+        assert!(!unloaded.is_due([1.0, 0.01], &[], 0.7));
+        assert!(unloaded.is_due([0.5, 0.01], &jam(0.8), 0.7));
+        assert!(!unloaded.is_due([0.5, 0.01], &jam(0.6), 0.7));
     }
 
     #[test]
