@@ -146,13 +146,14 @@ impl Simulation {
         let changes = || self.fidelity.changes.iter().map(|(_, change)| change);
         let to = |kind: Fidelity| changes().filter(move |change| change.to == kind);
         let highest = to(Fidelity::Deformable).map(|change| change.ratio);
+        let share = self.deformable_share();
         (bodies > 0).then(|| FidelitySummary {
             bodies,
             softened: to(Fidelity::Deformable).count(),
             hardened: to(Fidelity::Rigid).count(),
             highest: highest.fold(0.0, f64::max),
-            deformable_share: self.deformable_share(),
-            largest_share: self.fidelity.largest_share,
+            deformable_share: share,
+            largest_share: self.fidelity.largest_share.max(share),
         })
     }
 

@@ -27,6 +27,6 @@ pub struct FidelitySummary {
     pub highest: f64,
     /// Mass of all deformable bodies, fragments included, over that of all bodies, now.
     pub deformable_share: f64,
-    /// The largest when a body changed.
+    /// The largest when a body changed, or now.
     pub largest_share: f64,
 }

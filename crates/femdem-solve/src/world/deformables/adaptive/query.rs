@@ -32,7 +32,7 @@ pub struct FidelityChange {
 }
 
 impl World {
-    /// The changes of adaptive bodies since the last call, in their order.
+    /// The changes of adaptive bodies since the last call, in their order. They are kept until they are taken.
     #[must_use]
     pub fn take_fidelity_changes(&mut self) -> Vec<FidelityChange> {
         let adaptives = self.adaptives.as_deref_mut();

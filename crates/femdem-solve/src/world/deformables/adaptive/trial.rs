@@ -5,7 +5,7 @@ use super::AdaptiveBody;
 use crate::error::SolveError;
 use crate::world::World;
 use femdem_contact::deform::NodalState;
-use femdem_contact::{BodyId, Contact, ContactBatch, Partner};
+use femdem_contact::{BodyId, Contact, ContactBatch, Motion, Partner};
 use femdem_mesh::Vector3;
 use std::collections::BTreeSet;
 
@@ -36,7 +36,7 @@ impl World {
             velocities: &velocities,
             inverse_masses: &inverse_masses,
         }];
-        let (mut bodies, mut walls) = (vec![self.motions[id as usize]], Vec::new());
+        let (mut bodies, mut walls) = (vec![self.motion_now(id)], Vec::new());
         let partners: BTreeSet<Partner> = contacts.iter().map(|c| other(c, id)).collect();
         let friction = self.friction_of(id);
         for partner in partners {
@@ -45,7 +45,7 @@ impl World {
                     let known = self.add_to(&mut trial, other)?;
                     let state = self.nodes_of(other);
                     nodes.push(state.map_or(NodalState::default(), State::nodes));
-                    bodies.push(self.motions[other as usize]);
+                    bodies.push(self.motion_now(other));
                     Partner::Body(known)
                 }
                 Partner::Wall(wall) => {
@@ -65,6 +65,20 @@ impl World {
         let back = solid.pose.rotation.inverse();
         let forces = trial.nodal_loads(body).forces.iter();
         Ok(Some(forces.map(|f| back * f).collect()))
+    }
+
+    /// The motion of a body with its present velocity: that on record is the one with which the contacts were evaluated last.
+    fn motion_now(&self, id: BodyId) -> Motion {
+        let motion = self.motions[id as usize];
+        let body = &self.bodies[id as usize];
+        match body.driven {
+            None if self.batch.is_rigid(id) => Motion {
+                velocity: body.velocity,
+                angular_velocity: body.angular_velocity(),
+                ..motion
+            },
+            _ => motion,
+        }
     }
 
     /// Adds a body as it is to another batch, and returns its number there.
