@@ -1,7 +1,5 @@
 //! Adaptive bodies in scenes: stages, files and refusals.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-
 use crate::common::{code, fails, femdem, run, summary};
 use femdem::Usage;
 use femdem::run::{Run, Scenario};
