@@ -205,6 +205,6 @@ pub use parameters::{
 };
 pub use servo::{Resistance, Servo};
 pub use world::{
-    ContactStiffness, Counters, CrackFacet, Cracks, Deformable, DeformableSpec, Fragmentation,
-    ModelId, Residuals, Stability, World, WorldRelaxation, WorldRelaxed,
+    CellResistance, ContactStiffness, Counters, CrackFacet, Cracks, Deformable, DeformableSpec,
+    Fragmentation, ModelId, Residuals, Stability, World, WorldRelaxation, WorldRelaxed,
 };
