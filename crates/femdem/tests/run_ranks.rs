@@ -139,11 +139,33 @@ fn controlled_walls_go_on_over_ranks_from_a_checkpoint() {
     );
 }
 
+/// Stones that lie are pushed at a time, some more than others, so that they wake and slide.
+#[test]
+fn loads_over_ranks_are_those_alone() {
+    let loads = r#"[[load]]
+bodies = ["stone 3", "stone 9", "stone 10", "stone 22"]
+force = [0, 0, 4]
+table = [[0.2, 0], [0.22, 1], [0.3, 1], [0.34, 0]]
+[[load]]
+acceleration = [-3, 0, 0]
+table = [[0.2, 0], [0.25, 1]]"#;
+    let text = STONES.replace("duration = 3", "duration = 0.4");
+    let unloaded = alone(&text);
+    let text = format!("{text}\n{loads}");
+    let expected = alone(&text);
+    assert!(expected.0 != unloaded.0);
+    for size in [2, 3] {
+        assert!(shared(&text, size) == expected, "{size} ranks");
+    }
+}
+
 #[test]
 fn what_ranks_cannot_do_is_said() {
-    let loaded = format!("load = [{{ force = [1, 0, 0] }}]\n{STONES}");
+    let fed = format!(
+        "{STONES}\n[[source]]\nname = \"more\"\nshape = \"cube\"\nsize = 0.02\nmaterial = \"stone\"\nlower = [0.1, 0.05, 0.2]\nupper = [0.2, 0.1, 0.3]\nrate = 10\nnumber = 5"
+    );
     let relaxed = format!("relax = {{ tolerance = 1e-3 }}\n{STONES}");
-    for (text, expected) in [(loaded, "load"), (relaxed, "relax")] {
+    for (text, expected) in [(fed, "source"), (relaxed, "relax")] {
         let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
         let refused = Part::share_out(Some(&mut run), &mut Alone).err().unwrap();
         let refused = refused.to_string();

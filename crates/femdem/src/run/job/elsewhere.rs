@@ -8,8 +8,8 @@ use crate::Error;
 use crate::run::{Ending, Run};
 
 impl Run {
-    /// Refuses a run whose steps need more than its world and its controls, one that is loaded, fed or relaxed, and
-    /// implicit steps, which one rank would take alone.
+    /// Refuses a run whose steps need more than its world, its controls and its loads, one that is fed or
+    /// relaxed, and implicit steps, which one rank would take alone.
     /// [`World::share_out`] says what worlds cannot be shared.
     ///
     /// # Errors
@@ -19,7 +19,6 @@ impl Run {
         let (scene, simulation) = (&self.scenario, &self.simulation);
         let steps = simulation.world.parameters().time_step;
         for (name, is_there) in [
-            ("load", !scene.load.is_empty()),
             ("source, gate or opening", !simulation.flow.is_empty()),
             ("relax", scene.relax.is_some()),
             ("implicit steps", steps.implicit.is_some()),

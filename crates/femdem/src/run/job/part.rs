@@ -6,13 +6,16 @@ use femdem_solve::{Halo, SolveError, World, checkpoint};
 
 use crate::Error;
 use crate::run::stillness::{STEPS_BETWEEN_LOOKS, Stillness};
-use crate::run::{Controls, Run, Scenario};
+use crate::run::{BodyLoads, Controls, Member, Run, Scenario};
 
 /// What a rank needs to step its part of a run: the first one has the [`Run`] besides, which writes the files.
 pub struct Part {
     world: World,
     scenario: Scenario,
     controls: Controls,
+    /// Where there are loads, the bodies of the whole.
+    members: Vec<Member>,
+    loads: BodyLoads,
     stillness: Stillness,
     /// Whether the bodies have been still for so long that their forces are looked at.
     may_rest: bool,
@@ -32,8 +35,13 @@ impl Part {
             let simulation = &mut run.simulation;
             let empty = World::new(*simulation.world.parameters())?;
             given = Some(std::mem::replace(&mut simulation.world, empty));
-            let controls = checkpoint::encode(&(&simulation.controls, run.stillness))?;
-            mine = Some((run.scenario.to_toml()?, controls));
+            // Names may be many, and are for loads alone.
+            let (members, loads) = match simulation.loads.is_empty() {
+                true => (&[][..], BodyLoads::default()),
+                false => (&simulation.members[..], simulation.loads.clone()),
+            };
+            let rest = (&simulation.controls, run.stillness, members, loads);
+            mine = Some((run.scenario.to_toml()?, checkpoint::encode(&rest)?));
         }
         let bytes = checkpoint::encode(&mine)?;
         let message = mine.is_some().then(|| {
@@ -47,12 +55,14 @@ impl Part {
         };
         let (_, bytes) = received.first().ok_or_else(none)?;
         let sent: Option<(String, Vec<u8>)> = checkpoint::decode(bytes)?;
-        let (scenario, controls) = sent.ok_or_else(none)?;
-        let (controls, stillness) = checkpoint::decode(&controls)?;
+        let (scenario, rest) = sent.ok_or_else(none)?;
+        let (controls, stillness, members, loads) = checkpoint::decode(&rest)?;
         Ok(Self {
             world,
             scenario: Scenario::from_toml(&scenario)?,
             controls,
+            members,
+            loads,
             stillness,
             may_rest: false,
         })
@@ -76,6 +86,12 @@ impl Part {
     ///
     /// Those of [`World::step_on`].
     pub fn step(&mut self, halo: &mut dyn Halo) -> Result<bool, Error> {
+        if !self.loads.is_empty() {
+            let world = &mut self.world;
+            // Of the middle of the step, as alone.
+            let time = world.time() + 0.5 * world.time_step();
+            self.loads.apply(&self.members, world, time, halo)?;
+        }
         if self.controls.is_empty() {
             self.world.step_on(halo)?;
         } else {
@@ -118,6 +134,9 @@ impl Part {
         let mut ended = [0];
         if let Some((run, whole)) = run.zip(whole) {
             run.simulation.controls = self.controls.clone();
+            if !self.loads.is_empty() {
+                run.simulation.loads = self.loads.clone();
+            }
             run.stillness = self.stillness;
             run.go_on_with(whole, self.may_rest, folder)?;
             ended = [u64::from(run.ending.is_some())];
