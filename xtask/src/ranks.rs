@@ -11,9 +11,11 @@ use crate::command::{apt_get, cargo, passed, runs};
 /// The package, from the workspace root: a workspace of its own.
 const PACKAGE: &str = "crates/femdem-mpi";
 
-/// The scenes, in the package: of rigid bodies, and of deformable ones among rigid ones.
+/// The scenes, in the package: of rigid bodies, of deformable ones among rigid ones, and of walls and a cell that follow stresses.
 const SCENE: &str = "scenes/pile.toml";
 const SOFT_SCENE: &str = "scenes/soft.toml";
+const PRESS: &str = "scenes/press.toml";
+const CELL: &str = "scenes/cell.toml";
 
 /// What is needed, as a program and as the packages of Debian that have it.
 const TOOLS: [(&str, &[&str]); 2] = [
@@ -25,6 +27,8 @@ const TOOLS: [(&str, &[&str]); 2] = [
 const RUNS: [[usize; 2]; 6] = [[1, 1], [2, 1], [3, 1], [4, 1], [1, 2], [2, 2]];
 
 const SOFT_RUNS: [[usize; 2]; 3] = [[1, 1], [2, 1], [4, 1]];
+
+const CONTROLLED_RUNS: [[usize; 2]; 2] = [[2, 1], [3, 1]];
 
 /// Steps after which one run is stopped, to go on with another number of ranks.
 const STOP: &str = "600";
@@ -102,6 +106,8 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     };
     Ok(runs(SCENE, &RUNS, STOP, &place.join("rigid"))?
         & runs(SOFT_SCENE, &SOFT_RUNS, SOFT_STOP, &place.join("soft"))?
+        & runs(PRESS, &CONTROLLED_RUNS, STOP, &place.join("press"))?
+        & runs(CELL, &CONTROLLED_RUNS, STOP, &place.join("cell"))?
         & packs_are_same(&programs, &place)?)
 }
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Space {
     pub cell: PeriodicCell,
     /// Length of the path of each edge so far, m.
-    paths: [f64; 3],
+    pub paths: [f64; 3],
     /// How much space was strained so far, to and fro.
     pub strain: f64,
 }

@@ -3,16 +3,14 @@
 use crate::cost::{Cost, make_folder};
 use anyhow::{Result, ensure};
 use femdem::Usage;
-use femdem::run::{Run, Scenario};
-use femdem::solve::{Halo, World, WorldParameters};
+use femdem::run::{Part, Run, Scenario};
+use femdem::solve::Halo;
 use femdem_mpi::MpiHalo;
 use std::path::{Path, PathBuf};
 
 /// A run of which each rank has a part.
 pub(crate) struct Job {
-    /// The part of this rank.
-    world: World,
-    scenario: Scenario,
+    part: Part,
     folder: PathBuf,
     /// On the first rank.
     run: Option<Run>,
@@ -20,77 +18,82 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    /// A run of a scene from its beginning. All ranks build it, and keep their parts.
+    /// A run of a scene from its beginning. The first rank builds it.
     pub fn begin(scene: &Path, out: Option<PathBuf>, halo: &mut MpiHalo) -> Result<Self> {
         let mut scenario = Scenario::read(scene)?;
         if let Some(out) = out {
             scenario.out = out;
         }
         let folder = scenario.out.clone();
-        let run = Run::new(scenario)?;
+        let mut run = None;
         if halo.rank() == 0 {
-            make_folder(&folder, &run.scenario().to_toml()?)?;
+            let own = run.insert(Run::new(scenario)?);
+            make_folder(&folder, &own.scenario().to_toml()?)?;
         }
         Self::share(run, folder, Usage::default(), halo)
     }
 
     /// The run in a folder, from its last checkpoint.
     pub fn resume(folder: &Path, halo: &mut MpiHalo) -> Result<Self> {
-        let (run, before) = Run::read(folder)?;
-        ensure!(
-            run.ending().is_none(),
-            "the run in {} has ended",
-            folder.display()
-        );
+        let (mut run, mut before) = (None, Usage::default());
+        if halo.rank() == 0 {
+            let (own, usage) = Run::read(folder)?;
+            ensure!(
+                own.ending().is_none(),
+                "the run in {} has ended",
+                folder.display()
+            );
+            (run, before) = (Some(own), usage);
+        }
         Self::share(run, folder.to_owned(), before, halo)
     }
 
-    fn share(mut run: Run, folder: PathBuf, before: Usage, halo: &mut MpiHalo) -> Result<Self> {
-        run.steps_elsewhere()?;
-        if halo.rank() == 0 {
+    fn share(
+        mut run: Option<Run>,
+        folder: PathBuf,
+        before: Usage,
+        halo: &mut MpiHalo,
+    ) -> Result<Self> {
+        if let Some(run) = &mut run {
+            run.steps_elsewhere()?;
             // What is due at the beginning.
             run.advance(&folder, 0)?;
             run.flush(&folder)?;
             // At once, so that a folder that cannot be written is noticed before the work.
             run.save(&folder, &before)?;
         }
-        let empty = World::new(WorldParameters::default())?;
-        let mut world = run.give_world(empty);
-        world.share_out_with(&run.scenario().to_toml()?, halo)?;
         Ok(Self {
-            world,
-            scenario: run.scenario().clone(),
+            part: Part::share_out(run.as_mut(), halo)?,
             folder,
-            run: (halo.rank() == 0).then_some(run),
+            run,
             cost: Cost::after(before),
         })
     }
 
     /// Steps to the end of the run, or so many steps, with a checkpoint after at most `every` seconds and at the end.
     pub fn go_on(mut self, every: f64, steps: Option<u64>, halo: &mut MpiHalo) -> Result<()> {
-        let last = steps.map_or(u64::MAX, |steps| self.world.steps().saturating_add(steps));
+        let so_far = self.part.world().steps();
+        let last = steps.map_or(u64::MAX, |steps| so_far.saturating_add(steps));
         let mut due = self.next_due(halo)?;
-        let mut ends = false;
-        while !ends && self.world.steps() < last {
-            self.world.step_on(halo)?;
-            let time = self.world.time();
-            let allowed = self.scenario.sleeps_at(time);
-            if self.world.parameters().sleeping.enabled != allowed {
-                self.world.set_sleeping(allowed);
-            }
-            ends = time >= self.scenario.duration;
-            if time >= due {
-                self.catch_up(halo)?;
+        let mut ended = false;
+        // Whether the first rank has seen the last step.
+        let mut seen = true;
+        while !ended && self.part.world().steps() < last {
+            let may_end = self.part.step(halo)?;
+            let time = self.part.world().time();
+            seen = may_end || time >= due;
+            if seen {
+                ended = self.catch_up(halo)?;
                 due = self.next_due(halo)?;
-                if self.cost.is_save_due(every, halo)? {
+                if !ended && self.cost.is_save_due(every, halo)? {
                     self.save(halo)?;
                 }
             }
-            let duration = self.scenario.duration;
+            let duration = self.part.scenario().duration;
             self.cost
                 .tell(halo, || format!("{time:.6} of {duration} s"));
         }
-        if !ends {
+        if !seen {
             self.catch_up(halo)?;
         }
         self.finish(halo)
@@ -103,17 +106,13 @@ impl Job {
         Ok(due[0])
     }
 
-    /// Shows the first rank all bodies, which writes what is due.
-    fn catch_up(&mut self, halo: &mut MpiHalo) -> Result<()> {
-        let whole = self.world.gather(halo)?;
-        if let Some((run, whole)) = self.run.as_mut().zip(whole) {
-            run.go_on_with(whole, &self.folder)?;
-        }
-        Ok(())
+    /// Shows the first rank all bodies, which writes what is due. Returns whether the run has ended.
+    fn catch_up(&mut self, halo: &mut MpiHalo) -> Result<bool> {
+        Ok(self.part.go_on(self.run.as_mut(), &self.folder, halo)?)
     }
 
     fn save(&mut self, halo: &mut MpiHalo) -> Result<()> {
-        let usage = self.cost.usage(self.world.counters(), halo)?;
+        let usage = self.cost.usage(self.part.world().counters(), halo)?;
         if let Some(run) = &mut self.run {
             run.flush(&self.folder)?;
             run.save(&self.folder, &usage)?;
@@ -122,7 +121,7 @@ impl Job {
     }
 
     fn finish(mut self, halo: &mut MpiHalo) -> Result<()> {
-        let usage = self.cost.usage(self.world.counters(), halo)?;
+        let usage = self.cost.usage(self.part.world().counters(), halo)?;
         let Some(mut run) = self.run.take() else {
             return Ok(());
         };

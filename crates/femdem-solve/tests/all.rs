@@ -7,6 +7,7 @@ mod bond_worlds;
 mod bonds;
 mod bridges;
 mod by_hand;
+mod cell_ranks;
 mod changes;
 mod common;
 mod deformable_world;

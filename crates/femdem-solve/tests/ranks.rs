@@ -154,6 +154,46 @@ fn any_number_of_ranks_gives_the_same_bits() {
     }
 }
 
+/// A world in motion that only the first rank has goes on over all to the bits of one of its own.
+pub fn goes_on_from_the_first(world: &World, steps: u32) {
+    let mut alone = world.clone();
+    for _ in 0..steps {
+        alone.step().unwrap();
+    }
+    let expected = alone.checksum_of_motion().unwrap();
+    for size in [1, 3, 4] {
+        let parts = Threads::each(size, |halo| {
+            let given = (halo.rank() == 0).then(|| world.clone());
+            let mut world = World::share_from_first(given, halo).unwrap();
+            assert!(world.own_bodies(0).next().is_some());
+            for _ in 0..steps {
+                world.step_on(halo).unwrap();
+            }
+            world.gather(halo).unwrap()
+        });
+        let whole = parts.into_iter().next().unwrap().unwrap();
+        let found = whole.checksum_of_motion().unwrap();
+        assert_eq!(found, expected, "{size} ranks");
+        let books = [&alone, &whole].map(World::ledger);
+        let missing = (books[0].error() - books[1].error()).abs();
+        assert!(missing < 1e-9 * books[0].exchanged, "{missing:e}");
+    }
+}
+
+#[test]
+fn a_pile_in_motion_is_shared_from_the_first() {
+    let mut world = pile(true);
+    world.step().unwrap();
+    // With what has come since the contacts were last evaluated.
+    let place = Pose::translation(0.3, 0.1, 1.8);
+    world.add_body(BodySpec::at_rest(0, 2500.0, place)).unwrap();
+    goes_on_from_the_first(&world, 300);
+    while world.awake_count() == COUNT + 1 {
+        world.step().unwrap();
+    }
+    goes_on_from_the_first(&world, 300);
+}
+
 /// Steps of both kinds, with bodies that come on the way; one of them lowers the step of all.
 fn course(world: &mut World, halo: &mut dyn Halo) {
     let steps = |world: &mut World, halo: &mut dyn Halo, count: u32| {
@@ -292,4 +332,6 @@ fn what_cannot_be_shared_is_said() {
     hosted.drive_body_by_host(0, Driven::default()).unwrap();
     let refused = hosted.share_out(&mut Alone).unwrap_err().to_string();
     assert!(refused.contains("bodies that a host moves"), "{refused}");
+    let nothing = World::share_from_first(None, &mut Alone).unwrap_err();
+    assert!(nothing.to_string().contains("the first rank gives"));
 }

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::ranks::Threads;
-use crate::ranks::as_alone;
+use crate::ranks::{as_alone, goes_on_from_the_first};
 use femdem_contact::{ContactParameters, Partner, PeriodicCell, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::material::{AnyMaterial, J2, NeoHookean};
@@ -220,6 +220,15 @@ fn agrees(world: &World, early: bool, change: impl Fn(&mut World) + Sync) {
         assert_eq!(found, expected, "{size} ranks");
         assert_eq!(whole.time_step(), alone.time_step());
     }
+}
+
+#[test]
+fn a_heap_in_motion_is_shared_from_the_first() {
+    let mut world = heap(true);
+    for _ in 0..300 {
+        world.step().unwrap();
+    }
+    goes_on_from_the_first(&world, 200);
 }
 
 #[test]

@@ -13,6 +13,7 @@ mod report;
 mod resolve;
 mod resume;
 mod run;
+mod run_ranks;
 mod scene_adaptive;
 mod scene_bonds;
 mod scene_cases;
@@ -33,3 +34,6 @@ mod shapes;
 mod sizes;
 mod stresses;
 mod surfaces;
+#[path = "../../femdem-solve/tests/common/ranks.rs"]
+#[expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+mod threads;

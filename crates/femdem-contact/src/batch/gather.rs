@@ -31,7 +31,8 @@ impl Sums {
 
     /// Adds a pair. One whose B belongs to another batch is on the books there.
     pub fn add(&mut self, awake: &[bool], guests: &[bool], pair: &Pair) {
-        if !guests.get(pair.b as usize).is_some_and(|guest| *guest) {
+        let is_booked = !guests.get(pair.b as usize).is_some_and(|guest| *guest);
+        if is_booked {
             self.book(pair);
         }
         for contact in pair.contacts() {
@@ -46,7 +47,7 @@ impl Sums {
             if awake[contact.b as usize] {
                 self.loads[contact.b as usize].add(contact, 1);
             }
-            if pair.image != [0; 3] {
+            if is_booked && pair.image != [0; 3] {
                 self.add_to_edges(contact, pair.image);
             }
         }

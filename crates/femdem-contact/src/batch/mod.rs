@@ -6,6 +6,7 @@ mod attraction;
 mod bonds;
 mod deformable;
 mod evaluate;
+mod exact;
 mod gather;
 mod history;
 mod implicit;

@@ -2,7 +2,7 @@
 
 use super::{ContactBatch, Snapshot};
 use crate::body_shape::BodyShape;
-use crate::contact::{Partner, RigidContact};
+use crate::contact::RigidContact;
 use crate::error::{ContactError, check};
 use crate::periodic::{EdgeLoad, Space};
 use femdem_mesh::{Matrix3, PeriodicCell, Vector3};
@@ -40,6 +40,11 @@ impl ContactBatch {
         self.space.as_ref().map(|space| &space.cell)
     }
 
+    /// Length of the path of each edge of the periodic cell so far, m.
+    pub fn edge_paths(&self) -> [f64; 3] {
+        self.space.as_ref().map_or([0.0; 3], |space| space.paths)
+    }
+
     /// Forces over the edges of the periodic cell, from the contacts of the last update.
     pub fn edge_loads(&self) -> [EdgeLoad; 3] {
         let mut edges = self.sums.edges;
@@ -56,35 +61,23 @@ impl ContactBatch {
     /// Σ f lᵀ over the contacts of two bodies, J, with the force f on B without dashpots and the vector l from the centroid of A
     /// to that of B (of a deformable body the mean of its nodes). Over the volume of a periodic cell this is the mean stress, positive in compression (Love 1927, Weber 1966).
     pub fn virial(&self) -> Matrix3 {
-        let mut sum = Matrix3::zeros();
-        for contact in self.between_bodies() {
-            let elastic = contact.normal * contact.elastic_force + contact.adhesion.force;
-            let force = elastic + contact.friction - contact.drag;
-            sum += force * branch(contact).transpose();
-        }
-        let soft = self.deformable.as_ref().map(|part| part.virial());
-        sum + soft.unwrap_or_default()
+        let rigid = self.between_bodies().map(RigidContact::moment_of_force);
+        let part = self.deformable.as_deref();
+        let soft = part.into_iter().flat_map(|part| part.virials());
+        rigid.sum::<Matrix3>() + soft.sum::<Matrix3>()
     }
 
     /// Stiffness of all contacts of two bodies against a strain along an axis, J: Σ (k_n n² + k_t (1 - n²)) l² with the
     /// components n of the normal and l of the vector between the centroids along the axis.
     pub fn stiffness_along(&self, axis: usize) -> f64 {
-        let each = self.between_bodies().map(|contact| {
-            let along = contact.normal[axis].powi(2);
-            let stiffness =
-                contact.foundation.stiffness * along + contact.tangential_stiffness * (1.0 - along);
-            stiffness * branch(contact)[axis].powi(2)
-        });
-        let soft = self
-            .deformable
-            .as_ref()
-            .map(|part| part.stiffness_along(axis));
-        each.sum::<f64>() + soft.unwrap_or(0.0)
-    }
-
-    fn between_bodies(&self) -> impl Iterator<Item = &RigidContact> {
-        let contacts = self.rigid_contacts().into_iter();
-        contacts.filter(|contact| matches!(contact.a, Partner::Body(_)))
+        let rigid = self
+            .between_bodies()
+            .map(|contact| contact.stiffness_along(axis));
+        let part = self.deformable.as_deref();
+        let soft = part
+            .into_iter()
+            .flat_map(|part| part.stiffnesses_along(axis));
+        rigid.sum::<f64>() + soft.sum::<f64>()
     }
 
     /// Refuses a cell too small for its bodies, and walls that do not repeat themselves.
@@ -121,7 +114,23 @@ impl ContactBatch {
     }
 }
 
-/// From the centroid of A to that of B, m.
-fn branch(contact: &RigidContact) -> Vector3 {
-    contact.arm_a - contact.arm_b
+impl RigidContact {
+    /// From the centroid of A to that of B, m.
+    fn branch(&self) -> Vector3 {
+        self.arm_a - self.arm_b
+    }
+
+    /// f lᵀ with the force f on B without dashpots and the branch l, J.
+    pub(super) fn moment_of_force(&self) -> Matrix3 {
+        let elastic = self.normal * self.elastic_force + self.adhesion.force;
+        (elastic + self.friction - self.drag) * self.branch().transpose()
+    }
+
+    /// Stiffness against a strain along an axis, J.
+    pub(super) fn stiffness_along(&self, axis: usize) -> f64 {
+        let along = self.normal[axis].powi(2);
+        let stiffness =
+            self.foundation.stiffness * along + self.tangential_stiffness * (1.0 - along);
+        stiffness * self.branch()[axis].powi(2)
+    }
 }

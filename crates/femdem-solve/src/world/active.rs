@@ -434,7 +434,7 @@ impl World {
 }
 
 /// Whether something is so on any rank.
-fn is_any(so: bool, halo: &mut dyn Halo) -> Result<bool, SolveError> {
+pub(super) fn is_any(so: bool, halo: &mut dyn Halo) -> Result<bool, SolveError> {
     let mut least = [if so { 0.0 } else { 1.0 }];
     halo.least(&mut least)?;
     Ok(least[0] < 1.0)

@@ -9,6 +9,7 @@ use crate::applied::AppliedLoad;
 use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
+use crate::halo::Halo;
 use femdem_contact::{BodyId, Contact, Frame, Motion, Partner, Wrench};
 use femdem_mesh::{Pose, Vector3, checked_pose};
 
@@ -151,12 +152,35 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::Parameter`] for a load that is not finite, and for a torque
     /// on a deformable body or a load that follows one.
     pub fn set_load(&mut self, id: BodyId, load: impl Into<AppliedLoad>) -> Result<(), SolveError> {
-        let load = load.into();
+        self.not_shared("loading bodies by one rank")?;
+        self.load_own(id, load.into())
+    }
+
+    /// As [`set_load`](Self::set_load), of bodies by their numbers in the whole, in a world that is
+    /// [shared out](Self::share_out), by all ranks: each loads those that belong to it.
+    ///
+    /// # Errors
+    /// As [`set_load`](Self::set_load), and what `halo` reports.
+    pub fn set_loads_on(
+        &mut self,
+        loads: &[(BodyId, AppliedLoad)],
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
+        self.fits(halo)?;
+        for &(number, load) in loads {
+            if let Some(id) = self.number_here(number).filter(|id| !self.is_guest(*id)) {
+                self.load_own(id, load)?;
+            }
+        }
+        // Some have woken.
+        self.tell_rest(halo)
+    }
+
+    fn load_own(&mut self, id: BodyId, load: AppliedLoad) -> Result<(), SolveError> {
         let [force, torque] = load.largest();
         check("force", force, true, "finite, in N")?;
         check("torque", torque, true, "finite, in N m")?;
         self.restored()?;
-        self.not_shared("loading bodies")?;
         if self.batch.is_deformable(id) {
             check(
                 "load that turns with the body",

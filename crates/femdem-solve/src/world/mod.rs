@@ -16,6 +16,7 @@ mod periodic;
 mod query;
 mod ranks;
 mod relax;
+mod resistance;
 mod restart;
 mod stability;
 mod step;
@@ -39,6 +40,7 @@ pub use deformables::{
 };
 pub use query::Residuals;
 pub use relax::{WorldRelaxation, WorldRelaxed};
+pub use resistance::CellResistance;
 pub use stability::Stability;
 
 /// Rigid and deformable bodies between walls.

@@ -1,8 +1,9 @@
 //! A world in periodic space: the cell, its deformation and its stress.
 
 use super::World;
-use crate::body::Body;
+use super::active::is_any;
 use crate::error::{SolveError, check};
+use crate::halo::{Alone, Halo};
 use crate::ledger::Flows;
 use crate::parameters::Medium;
 use femdem_contact::PeriodicCell;
@@ -85,6 +86,19 @@ impl World {
     /// [`SolveError::NoSuch`] without a periodic cell, [`SolveError::Parameter`] where steps are implicit, [`SolveError::Mesh`] for velocities that are not
     /// finite or not of an upper triangular matrix.
     pub fn deform_cell(&mut self, rates: Matrix3) -> Result<(), SolveError> {
+        self.not_shared("deforming the cell by one rank")?;
+        self.deform_cell_on(rates, &mut Alone)
+    }
+
+    /// As [`deform_cell`](Self::deform_cell), of a world that is [shared out](Self::share_out), by all ranks.
+    ///
+    /// # Errors
+    /// As [`deform_cell`](Self::deform_cell), and what `halo` reports.
+    pub fn deform_cell_on(
+        &mut self,
+        rates: Matrix3,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
         let Some(cell) = self.cell().copied() else {
             return Err(SolveError::NoSuch {
                 what: "periodic cell",
@@ -100,12 +114,14 @@ impl World {
             check_rests(&moving)?;
         }
         // Contacts of two sleepers are not among those of the last evaluation.
-        self.loaded = self.loaded && self.awake.len() == self.rigid_count();
+        let own = self.live_bodies().count();
+        self.loaded &= !is_any(self.awake.len() < own, halo)?;
         self.wake_all();
         self.batch.set_cell(moving)?;
+        let moments = self.sums_of_all(self.moments_of_free(), halo)?;
         let change = Streaming {
             gradient: moving.velocity_gradient() - cell.velocity_gradient(),
-            centre: self.centre_of_free(),
+            centre: centre(moments),
         };
         for &i in &self.awake {
             let body = &mut self.bodies[i as usize];
@@ -116,7 +132,9 @@ impl World {
             }
         }
         if let Some(deformables) = &mut self.deformables {
-            self.flows.work_in += deformables.follow_space(|centre| change.at(centre));
+            let batch = &self.batch;
+            let follows = |body| !batch.is_guest(body);
+            self.flows.work_in += deformables.follow_space(follows, |centre| change.at(centre));
         }
         Ok(())
     }
@@ -137,32 +155,26 @@ impl World {
     }
 
     /// The motion of space now, if it is deformed and a medium resists the motion against it.
-    pub(super) fn resisting_stream(&self) -> Option<Streaming> {
+    pub(super) fn resisting_stream(
+        &self,
+        halo: &mut dyn Halo,
+    ) -> Result<Option<Streaming>, SolveError> {
         let resists = self.parameters.medium != Medium::default();
-        let cell = self.cell().filter(|cell| resists && cell.moves())?;
-        Some(Streaming {
-            gradient: cell.velocity_gradient(),
-            centre: self.centre_of_free(),
-        })
-    }
-
-    /// Centre of mass of the free bodies, rigid ones if they are awake, m.
-    fn centre_of_free(&self) -> Vector3 {
-        let free = self.awake.iter().map(|&i| &self.bodies[i as usize]);
-        let free = free.filter(|body| body.driven.is_none());
-        let sum = |(mass, moment): (f64, Vector3), body: &Body| {
-            (mass + body.mass, moment + body.position * body.mass)
+        let Some(cell) = self.cell().filter(|cell| resists && cell.moves()) else {
+            return Ok(None);
         };
-        let deformables = self.deformables.as_deref();
-        let soft = deformables.map_or((0.0, Vector3::zeros()), |d| d.first_moment());
-        let (mass, moment) = free.fold(soft, sum);
-        if mass > 0.0 { moment / mass } else { moment }
+        Ok(Some(Streaming {
+            gradient: cell.velocity_gradient(),
+            centre: centre(self.sums_of_all(self.moments_of_free(), halo)?),
+        }))
     }
 
     /// Moves the edges of the cell by a step, s.
     pub(super) fn drift_cell(&mut self, dt: f64) -> Result<(), SolveError> {
         if let Some(cell) = self.cell().filter(|cell| cell.moves()) {
-            let next = cell.with_edges(cell.edges() + cell.rates() * dt)?;
+            let way = cell.rates() * dt;
+            let next = cell.with_edges(cell.edges() + way)?;
+            self.check_edges([0, 1, 2].map(|k| way.column(k).norm()))?;
             self.batch.set_cell(next)?;
         }
         Ok(())
@@ -178,5 +190,14 @@ impl World {
             flows.damping_work += rate.dot(&load.damping) * h;
             flows.friction_work += rate.dot(&load.friction) * h;
         }
+    }
+}
+
+/// The centre of mass of a mass and its first moments, m; the origin without mass.
+fn centre([mass, x, y, z]: [f64; 4]) -> Vector3 {
+    if mass > 0.0 {
+        Vector3::new(x, y, z) / mass
+    } else {
+        Vector3::zeros()
     }
 }

@@ -2,6 +2,7 @@
 
 use super::World;
 use super::medium::{relaxation, resist};
+use super::periodic::Streaming;
 use super::time_step::{LARGEST_MOVE, USUAL_MOVE};
 use crate::body::Body;
 use crate::clock::Stopwatch;
@@ -91,16 +92,19 @@ impl World {
             self.ask(self.time + dt, host)?;
         }
         self.check_step(dt)?;
-        self.kick(0.5 * dt);
+        let stream = self.resisting_stream(halo)?;
+        self.kick(0.5 * dt, stream);
         self.drift(dt, halo)?;
         self.time += dt;
         self.arrive();
         self.steps += 1;
-        self.advance_deformables(dt)?;
+        let stream = self.resisting_stream(halo)?;
+        self.advance_deformables(dt, stream)?;
         self.meet_guests(halo)?;
         self.touch(dt)?;
-        self.kick(0.5 * dt);
-        let deformable = self.kick_deformables(0.5 * dt);
+        let stream = self.resisting_stream(halo)?;
+        self.kick(0.5 * dt, stream);
+        let deformable = self.kick_deformables(0.5 * dt, stream);
         self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
         self.end_bonds()?;
@@ -221,10 +225,9 @@ impl World {
     }
 
     /// Adds the impulse of half a step to all awake rigid bodies and books the work.
-    fn kick(&mut self, h: f64) {
+    fn kick(&mut self, h: f64, stream: Option<Streaming>) {
         let mut flows = Flows::default();
         self.book_edges(h, &mut flows);
-        let streaming = self.resisting_stream();
         let loads = self.batch.loads();
         for &i in &self.awake {
             let (body, load) = (&mut self.bodies[i as usize], &loads[i as usize]);
@@ -232,7 +235,7 @@ impl World {
                 let (v, w) = (body.velocity, body.angular_velocity());
                 book_driven(load, &v, &w, h, &mut flows);
             } else {
-                let streaming = streaming.map(|s| s.at(&body.position)).unwrap_or_default();
+                let streaming = stream.map(|s| s.at(&body.position)).unwrap_or_default();
                 kick_body(body, load, &self.parameters, &streaming, h, &mut flows);
             }
         }

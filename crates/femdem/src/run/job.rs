@@ -3,6 +3,7 @@
 mod advance;
 mod elsewhere;
 mod files;
+mod part;
 mod resume;
 mod tables;
 
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::history::{self, Table};
 use super::relaxation::Relaxing;
+use super::stillness::Stillness;
 use super::until::Until;
 use super::watch::{Deepest, Watch};
 use super::{
@@ -18,6 +20,7 @@ use super::{
     WALL_HISTORY_COLUMNS,
 };
 use crate::Error;
+pub use part::Part;
 
 /// The largest force on a wall or of a support among the rows of the history.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -58,10 +61,7 @@ pub struct Run {
     peaks: Vec<Peak>,
     reaction_peaks: Vec<Peak>,
     watch: Watch,
-    /// When the kinetic energy last fell below that of rest, as far as it was checked \[s\].
-    quiet_since: Option<f64>,
-    /// Whether the bodies have come to rest, and are awake to show that they stay there.
-    verifying: bool,
+    stillness: Stillness,
     until: Until,
     relaxing: Option<Relaxing>,
     ending: Option<Ending>,
@@ -114,8 +114,7 @@ impl Run {
             walls,
             cells,
             flow,
-            quiet_since: None,
-            verifying: false,
+            stillness: Stillness::default(),
             until: Until::default(),
             relaxing: None,
             ending: None,
@@ -146,7 +145,7 @@ impl Run {
 
     /// Whether all bodies are awake to show that they stay at rest.
     pub(super) fn is_verifying(&self) -> bool {
-        self.verifying
+        self.stillness.verifying
     }
 
     /// Why the run has ended; `None` while it has not.

@@ -2,6 +2,7 @@
 
 use femdem_mesh::Vector3;
 use femdem_pack::Settling;
+use femdem_solve::World;
 use serde::{Deserialize, Serialize};
 
 use super::contacts::ContactForces;
@@ -136,6 +137,18 @@ impl Scenario {
     pub fn sleeps_at(&self, time: f64) -> bool {
         self.sleeping && time < (1.0 - AWAKE_AT_LAST) * self.duration
     }
+
+    /// Whether prescribed motions or changes of loads are still to come.
+    pub(super) fn is_more_to_come(&self, world: &World) -> bool {
+        let conditions = self.body.iter().flat_map(|body| &body.boundary);
+        let mut loads = conditions.map(BoundaryEntry::settled_from);
+        let mut on_bodies = self.load.iter().map(LoadEntry::settled_from);
+        let mut controls = self.controls().map(ControlEntry::settled_from);
+        world.is_driven(self.duration - world.time())
+            || loads.any(|settled| settled > world.time())
+            || on_bodies.any(|settled| settled > world.time())
+            || controls.any(|settled| settled > world.time())
+    }
 }
 
 impl Run {
@@ -148,19 +161,10 @@ impl Run {
         }
     }
 
-    /// Whether prescribed motions or changes of loads are still to come.
+    /// Whether prescribed motions or changes of loads are still to come, or bodies.
     pub(super) fn is_more_to_come(&self) -> bool {
-        let world = &self.simulation().world;
-        let bodies = &self.scenario().body;
-        let conditions = bodies.iter().flat_map(|body| &body.boundary);
-        let mut loads = conditions.map(BoundaryEntry::settled_from);
-        let on_bodies = self.scenario().load.iter();
-        let mut on_bodies = on_bodies.map(LoadEntry::settled_from);
-        let mut controls = self.scenario().controls().map(ControlEntry::settled_from);
-        world.is_driven(self.scenario().duration - world.time())
-            || loads.any(|settled| settled > world.time())
-            || on_bodies.any(|settled| settled > world.time())
-            || controls.any(|settled| settled > world.time())
-            || self.simulation().flow.is_to_come(world.time())
+        let simulation = self.simulation();
+        let world = &simulation.world;
+        self.scenario().is_more_to_come(world) || simulation.flow.is_to_come(world.time())
     }
 }

@@ -36,6 +36,7 @@ use crate::walls::WallShape;
 use bend::Bend;
 pub(crate) use body::SoftBody;
 use context::Context;
+use femdem_mesh::Vector3;
 pub use fragments::FragmentShape;
 use look::Look;
 pub(crate) use pair::SoftPair;
@@ -393,6 +394,28 @@ impl DeformablePart {
     /// Loads on the walls from the deformable bodies, about the walls' origins.
     pub fn wall_loads(&self) -> &[Load] {
         &self.wall_loads
+    }
+
+    /// The pairs whose B belongs to this batch: they are on its books.
+    fn booked(&self) -> impl Iterator<Item = &SoftPair> {
+        let pairs = self.pairs.list().iter();
+        pairs.filter(|pair| !self.bodies[pair.b as usize].is_guest)
+    }
+
+    /// Their energies, J.
+    pub fn energies(&self) -> impl Iterator<Item = f64> {
+        self.booked().map(|pair| pair.totals().energy)
+    }
+
+    /// Those with walls: the wall, the force on it without dashpots, N, and the contacts.
+    pub fn wall_pairs(&self) -> impl Iterator<Item = (u32, Vector3, &[Contact])> {
+        self.booked().filter_map(|pair| {
+            let Side::Wall(wall) = pair.a else {
+                return None;
+            };
+            let (load, _) = pair.outcome.load.as_deref()?;
+            Some((wall, load.static_part().force, &pair.outcome.contacts[..]))
+        })
     }
 
     /// The contacts, sorted by pair and patch.

@@ -101,7 +101,7 @@ impl Context<'_> {
 
 impl SoftPair {
     /// What acts on A.
-    fn on_a(&self) -> EdgeLoad {
+    pub(super) fn on_a(&self) -> EdgeLoad {
         let outcome = &self.outcome;
         let mut sum = EdgeLoad::default();
         if let Some((load, _)) = outcome.load.as_deref() {
@@ -123,11 +123,11 @@ impl SoftPair {
 impl DeformablePart {
     /// Sums the forces of the pairs that meet over edges of the periodic cell.
     pub(super) fn sum_edges(&mut self) {
-        self.edges = Default::default();
-        let over = self.pairs.list().iter();
-        for pair in over.filter(|pair| pair.image != [0; 3]) {
-            EdgeLoad::add_over(&mut self.edges, pair.image, &pair.on_a());
+        let mut edges = <[EdgeLoad; 3]>::default();
+        for pair in self.booked().filter(|pair| pair.image != [0; 3]) {
+            EdgeLoad::add_over(&mut edges, pair.image, &pair.on_a());
         }
+        self.edges = edges;
     }
 
     /// Forces over the edges of the periodic cell, from the contacts of deformable bodies.
@@ -135,30 +135,29 @@ impl DeformablePart {
         &self.edges
     }
 
+    /// The pairs of two bodies whose B belongs to this batch.
     fn between_bodies(&self) -> impl Iterator<Item = &SoftPair> {
-        let pairs = self.pairs.list().iter();
+        let pairs = self.booked();
         pairs.filter(|pair| !matches!(pair.a, Side::Wall(_)) && !pair.is_own())
     }
 
-    /// Σ f lᵀ of the contacts of two bodies, without dashpots, J.
-    pub fn virial(&self) -> Matrix3 {
-        let mut sum = Matrix3::zeros();
-        for pair in self.between_bodies() {
+    /// f lᵀ of the pairs of two bodies, with the force f on B without dashpots and the vector l from the centre of A to that
+    /// of B, J.
+    pub fn virials(&self) -> impl Iterator<Item = Matrix3> {
+        self.between_bodies().map(|pair| {
             let on_a = pair.on_a();
-            sum -= (on_a.total - on_a.damping) * pair.branch.transpose();
-        }
-        sum
+            (on_a.damping - on_a.total) * pair.branch.transpose()
+        })
     }
 
-    /// Stiffness of the contacts of two bodies against a strain along an axis, J.
-    pub fn stiffness_along(&self, axis: usize) -> f64 {
-        let of = |pair: &SoftPair| {
+    /// Stiffness of the pairs of two bodies against a strain along an axis, J.
+    pub fn stiffnesses_along(&self, axis: usize) -> impl Iterator<Item = f64> {
+        self.between_bodies().map(move |pair| {
             let each = pair.outcome.contacts.iter().map(|contact| {
                 let along = contact.normal[axis].powi(2);
                 contact.stiffness * along + contact.tangential_stiffness * (1.0 - along)
             });
             each.sum::<f64>() * pair.branch[axis].powi(2)
-        };
-        self.between_bodies().map(of).sum()
+        })
     }
 }

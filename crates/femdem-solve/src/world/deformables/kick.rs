@@ -109,8 +109,12 @@ impl World {
     /// The second half of a step: adds the impulse of `h` (s) to all nodes, sets held and driven ones to their velocities at
     /// the end of the step, and books the work. Computes the largest next step while the forces are in the cache. Returns
     /// the kinetic energy, J.
-    pub(in crate::world) fn kick_deformables(&mut self, h: f64) -> f64 {
-        let (time, streaming) = (self.time, self.resisting_stream());
+    pub(in crate::world) fn kick_deformables(
+        &mut self,
+        h: f64,
+        streaming: Option<Streaming>,
+    ) -> f64 {
+        let time = self.time;
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return 0.0;
         };

@@ -1,32 +1,20 @@
 //! Deformable bodies in deforming space.
 
 use super::{Deformables, State, centroid};
-use femdem_fem::DeformableModel;
+use femdem_contact::BodyId;
 use femdem_mesh::Vector3;
 
 impl Deformables {
-    /// The bodies of which no node is held, with their models.
-    fn free(&self) -> impl Iterator<Item = (&State, &DeformableModel)> {
-        let bodies = self.bodies.iter();
-        let free = bodies.filter(|body| !body.is_vacant() && body.boundary.is_free());
-        free.map(|body| (body, &self.models[body.model as usize].model))
-    }
-
-    /// Mass of the free bodies, kg, and their mass times the place of their centre, kg m.
-    pub(in crate::world) fn first_moment(&self) -> (f64, Vector3) {
-        let sum = |(mass, moment): (f64, Vector3), (body, model): (&State, &DeformableModel)| {
-            let own: f64 = model.masses().iter().sum();
-            let centre = centroid(&body.positions, model.masses());
-            (mass + own, moment + centre * own)
-        };
-        self.free().fold((0.0, Vector3::zeros()), sum)
-    }
-
-    /// Changes the velocity of all nodes of the free bodies by that at their centre of mass. Returns the energy that they gain, J.
-    pub(in crate::world) fn follow_space(&mut self, change: impl Fn(&Vector3) -> Vector3) -> f64 {
+    /// Changes the velocity of all nodes of the free bodies among those that follow by that at their centre of mass. Returns the
+    /// energy that they gain, J.
+    pub(in crate::world) fn follow_space(
+        &mut self,
+        follows: impl Fn(BodyId) -> bool,
+        change: impl Fn(&Vector3) -> Vector3,
+    ) -> f64 {
         let mut gained = 0.0;
-        for body in &mut self.bodies {
-            if body.is_vacant() || !body.boundary.is_free() {
+        for (id, body) in (0..).zip(&mut self.bodies) {
+            if body.is_vacant() || !body.boundary.is_free() || !follows(id) {
                 continue;
             }
             let masses = self.models[body.model as usize].model.masses();
@@ -38,5 +26,14 @@ impl Deformables {
             gained += body.kinetic_energy(masses) - before;
         }
         gained
+    }
+}
+
+impl State {
+    /// Mass of a free body, kg, and its mass times the place of its centre, kg m; `None` for one that is held.
+    pub(in crate::world) fn first_moment(&self, masses: &[f64]) -> Option<(f64, Vector3)> {
+        let mass: f64 = masses.iter().sum();
+        let is_free = self.boundary.is_free();
+        is_free.then(|| (mass, centroid(&self.positions, masses) * mass))
     }
 }

@@ -6,6 +6,7 @@ use super::{Deformables, RENEW, Scratch, State};
 use crate::error::SolveError;
 use crate::ledger::Flows;
 use crate::world::World;
+use crate::world::periodic::Streaming;
 use crate::world::ranks::Share;
 use crate::world::time_step::LARGEST_MOVE;
 use crate::world::time_step::USUAL_MOVE;
@@ -34,9 +35,12 @@ impl World {
 
     /// The first half of a step, up to the present time: kick, drift, and the forces of the elements. Done
     /// body by body, so that each is read from memory once.
-    pub(in crate::world) fn advance_deformables(&mut self, dt: f64) -> Result<(), SolveError> {
+    pub(in crate::world) fn advance_deformables(
+        &mut self,
+        dt: f64,
+        streaming: Option<Streaming>,
+    ) -> Result<(), SolveError> {
         let (time, steps, renew) = (self.time, self.steps, self.renews_bounds());
-        let streaming = self.resisting_stream();
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };

@@ -1,11 +1,12 @@
 //! Bodies are given to the ranks in whose boxes they are, and lent to those near them.
 
+use super::map::in_cell;
 use super::parts::{Parts, bodies_of};
-use super::{Cuts, Link, Share, Until, WAY, Whole, ranks};
+use super::{Cuts, Link, Map, Share, Until, WAY, Whole, ranks};
 use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
-use crate::halo::Halo;
+use crate::halo::{Alone, Halo};
 use crate::ledger::Flows;
 use crate::world::World;
 use crate::world::time_step::{LARGEST_MOVE, StepControl};
@@ -29,19 +30,80 @@ impl World {
         } else {
             Vec::new()
         };
-        let cuts = if self.is_for_first() {
-            Cuts::to_first(halo.size())
-        } else {
-            Cuts::find(&of_first, halo)?
-        };
+        let cuts = self.cut(&of_first, halo)?;
         let whole = Whole::of(self, self.largest_radius(halo)?);
         let (parts, _) = self.take_apart()?;
+        self.leave_books(halo);
+        self.keep(cuts, whole, parts, halo)
+    }
+
+    /// Shares out a world that the first rank has, and no other: the others get what they own or have near.
+    ///
+    /// # Errors
+    /// As [`share_out`](Self::share_out); [`SolveError::Ranks`] also for a world that another rank gives, or the first does not.
+    pub fn share_from_first(world: Option<Self>, halo: &mut dyn Halo) -> Result<Self, SolveError> {
+        let (mut world, of_first, whole, parts) = match (world, halo.rank()) {
+            (Some(mut world), 0) => {
+                world.restored()?;
+                world.not_shared("sharing it out again")?;
+                world.can_be_shared()?;
+                let whole = Whole::of(&world, world.largest_radius(&mut Alone)?);
+                let (costs, (parts, _)) = (world.costs(), world.take_apart()?);
+                let frame = (world.to_bytes()?, &whole, &parts.newcomers);
+                let frame = checkpoint::encode(&frame)?;
+                let others = (1..halo.size()).map(|rank| (rank, frame.clone()));
+                halo.send(others.collect())?;
+                (world, costs, whole, parts)
+            }
+            (None, 1..) => {
+                let received = halo.send(Vec::new())?;
+                let Some((0, bytes)) = received.first() else {
+                    return Err(ranks("the first rank has sent no world"));
+                };
+                let (frame, whole, newcomers): (Vec<u8>, Whole, _) = checkpoint::decode(bytes)?;
+                let parts = Parts {
+                    newcomers,
+                    ..Parts::default()
+                };
+                (Self::from_bytes(&frame)?, Vec::new(), whole, parts)
+            }
+            _ => {
+                return Err(ranks(
+                    "the first rank gives the world, and no other rank does",
+                ));
+            }
+        };
+        let cuts = world.cut(&of_first, halo)?;
+        let mut own = Parts {
+            newcomers: parts.newcomers.clone(),
+            ..Parts::default()
+        };
+        let mut places = BTreeMap::new();
+        for portion in parts.portions(halo)? {
+            let of_portion = portion.members.iter();
+            places.extend(of_portion.map(|member| (member.number, member.place())));
+            own.join(world.pass_on((&cuts, whole.largest), portion, &places, halo)?);
+        }
+        own.members.sort_by_key(|member| member.number);
+        world.leave_books(halo);
+        world.keep(cuts, whole, own, halo)?;
+        Ok(world)
+    }
+
+    /// Cuts space by what bodies cost, those of all ranks.
+    fn cut(&self, costs: &[(Vector3, u64)], halo: &mut dyn Halo) -> Result<Cuts, SolveError> {
+        if self.is_for_first() {
+            return Ok(Cuts::to_first(halo.size()));
+        }
+        Cuts::find(costs, halo)
+    }
+
+    /// Leaves the books of the whole to the first rank.
+    fn leave_books(&mut self, halo: &dyn Halo) {
         if halo.rank() > 0 {
-            // The books of the whole are with the first rank.
             self.flows = Flows::default();
             self.initial_energy = 0.0;
         }
-        self.keep(cuts, whole, parts, halo)
     }
 
     /// Whether the first rank has all bodies: contacts of implicit steps are solved together, and have friction of the last step
@@ -80,6 +142,7 @@ impl World {
             cuts = Cuts::find(&costs, halo)?;
         }
         whole.largest = self.largest_radius(halo)?;
+        whole.paths = self.batch.edge_paths();
         let (parts, guests) = self.take_apart()?;
         let parts = self.pass_on((&cuts, whole.largest), parts, &guests, halo)?;
         self.keep(cuts, whole, parts, halo)
@@ -96,22 +159,20 @@ impl World {
         };
         let mut whole = self.clone();
         let (parts, _) = whole.take_apart()?;
+        let mut all = parts.gathered(halo)?;
         let books = (self.flows, self.initial_energy, self.step_control);
-        let message = checkpoint::encode(&(parts, books))?;
-        let received = halo.send(vec![(0, message)])?;
+        let received = halo.send(vec![(0, checkpoint::encode(&books)?)])?;
         if halo.rank() > 0 {
             return Ok(None);
         }
-        let mut all = Parts::default();
         (whole.flows, whole.initial_energy) = (Flows::default(), 0.0);
         for (_, bytes) in received {
-            let (parts, (flows, initial, control)): (Parts, (Flows, f64, StepControl)) =
-                checkpoint::decode(&bytes)?;
-            all.join(parts);
+            let (flows, initial, control): (Flows, f64, StepControl) = checkpoint::decode(&bytes)?;
             whole.flows += flows;
             whole.initial_energy += initial;
             whole.step_control.join(&control);
         }
+        all.members.sort_by_key(|member| member.number);
         // All numbers of the whole are among what came, before lists of so many are made.
         let Whole { total, vacant, .. } = &share.whole;
         let fits = all.members.iter().all(|member| member.number < *total);
@@ -131,6 +192,7 @@ impl World {
             .map_or_else(Default::default, |s| s.spent);
         let spent = counters.contact_time.saturating_sub(time).as_nanos() as u64;
         let of_pair = (spent / (counters.pair_evaluations - pairs).max(1)).clamp(1, 1 << 20);
+        let cell = self.cell();
         let cost = |(i, body): (usize, &Body)| {
             let awake = self.batch.is_awake(i as BodyId);
             let pairs = if awake {
@@ -138,11 +200,11 @@ impl World {
             } else {
                 0
             };
-            (body.position, of_pair * (1 + pairs))
+            (in_cell(cell, &body.position), of_pair * (1 + pairs))
         };
         let rigid = self.live_bodies().map(cost);
         let soft = self.own_nodes();
-        let soft = soft.map(|(_, nodes, model)| (nodes.middle(), model.costs()));
+        let soft = soft.map(|(_, nodes, model)| (in_cell(cell, &nodes.middle()), model.costs()));
         rigid.chain(soft).collect()
     }
 
@@ -155,7 +217,17 @@ impl World {
             // A rigid body that is looked up finds a deformable one where it was before a last step.
             moved += LARGEST_MOVE * largest;
         }
+        if self.cell().is_some() {
+            // The edges carry images as far, and each body in a last step.
+            moved += (WAY + 3.0 * LARGEST_MOVE) * largest;
+        }
         move |radius| SKINS * (largest + radius) + attraction + moved
+    }
+
+    /// Where bodies are among ranks with these boxes.
+    pub(super) fn map<'a>(&'a self, cuts: &'a Cuts) -> Map<'a> {
+        let cell = self.cell();
+        Map { cuts, cell }
     }
 
     /// The largest radius of all shapes and of the deformable bodies of all ranks, m.
@@ -183,15 +255,16 @@ impl World {
         halo: &mut dyn Halo,
     ) -> Result<Parts, SolveError> {
         let reach = self.reach(largest);
+        let map = self.map(cuts);
         let owners: BTreeMap<BodyId, usize> = parts
             .members
             .iter()
-            .map(|member| (member.number, cuts.owner(&member.place())))
-            .chain(guests.iter().map(|(number, x)| (*number, cuts.owner(x))))
+            .map(|member| (member.number, map.owner(&member.place())))
+            .chain(guests.iter().map(|(number, x)| (*number, map.owner(x))))
             .collect();
         let mut bags: BTreeMap<usize, Parts> = BTreeMap::new();
         for member in parts.members {
-            let mut near = cuts.near(&member.place(), reach(member.radius()));
+            let mut near = map.near(&member.place(), reach(member.radius()));
             let last = near.pop();
             for rank in near {
                 bags.entry(rank).or_default().members.push(member.clone());
@@ -241,9 +314,10 @@ impl World {
         let (rank, reach, way) = (halo.rank(), self.reach(largest), whole.way());
         let mut links: BTreeMap<usize, (Vec<BodyId>, Vec<BodyId>)> = BTreeMap::new();
         let (mut kept, mut until) = (Vec::new(), Vec::new());
+        let map = self.map(&cuts);
         for member in parts.members {
             let (x, radius) = (member.place(), member.radius());
-            let (owner, near) = (cuts.owner(&x), cuts.near(&x, reach(radius)));
+            let (owner, near) = (map.owner(&x), map.near(&x, reach(radius)));
             let id = kept.len() as BodyId;
             if owner == rank {
                 for other in near.into_iter().filter(|other| *other != rank) {
@@ -254,7 +328,7 @@ impl World {
             } else {
                 continue;
             }
-            until.push(radius);
+            until.push((radius, map.image(&x)));
             kept.push((member, owner));
         }
         let is_own = |number: &BodyId| {
@@ -267,9 +341,10 @@ impl World {
             .filter(|pair| bodies_of(pair).any(|number| is_own(&number)))
             .collect();
         let numbers = self.put_together(kept, pairs, parts.newcomers, rank)?;
-        let until = (0..).zip(until).map(|(id, radius)| Until {
+        let until = (0..).zip(until).map(|(id, (radius, image))| Until {
             travelled: self.travelled(id) + way,
             radius,
+            image,
         });
         let until = until.collect();
         let links = links

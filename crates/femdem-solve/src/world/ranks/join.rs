@@ -40,9 +40,13 @@ impl World {
         let number = share.whole.total;
         let total = number.checked_add(1);
         share.whole.total = total.ok_or_else(|| ranks("there are no more numbers for bodies"))?;
-        let owner = share.cuts.owner(&body.position);
+        let map = self.map(&share.cuts);
         let reach = self.reach(share.whole.largest);
-        let near = share.cuts.near(&body.position, reach(body.radius));
+        let (owner, near) = (
+            map.owner(&body.position),
+            map.near(&body.position, reach(body.radius)),
+        );
+        let image = map.image(&body.position);
         let id = share.numbers.len() as BodyId;
         let whose = if owner == share.rank {
             for other in near.into_iter().filter(|other| *other != owner) {
@@ -59,6 +63,7 @@ impl World {
         share.until.push(Until {
             travelled: body.travelled + share.whole.way(),
             radius: body.radius,
+            image,
         });
         share.holds.push(false);
         Ok(whose)

@@ -4,11 +4,13 @@
 //! owners: within a step they get the places and velocities after the drift, and at its end the owner says whether they are
 //! awake. Local numbers ascend with those of the whole, so that sums are in the same order everywhere.
 //!
-//! Bodies are dealt anew before one of them can have come near another that its rank does not know of.
+//! Bodies are dealt anew before one of them can have come near another that its rank does not know of. In periodic space a body
+//! belongs to the rank in whose box its image in the cell is.
 
 mod cuts;
 mod deal;
 mod join;
+mod map;
 mod parts;
 mod swap;
 
@@ -18,9 +20,10 @@ use crate::error::SolveError;
 use crate::guide::Guide;
 use crate::halo::Halo;
 use cuts::Cuts;
-use femdem_contact::BodyId;
-use femdem_fem::Boundary;
+use femdem_contact::{BodyId, Partner};
+use femdem_fem::{Boundary, Driven};
 pub(super) use join::Whose;
+use map::Map;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -55,6 +58,8 @@ pub(super) struct Whole {
     vacant: Vec<BodyId>,
     /// The largest radius of all bodies and shapes when they were dealt, m.
     largest: f64,
+    /// The paths of the edges of the periodic cell at that time, m.
+    paths: [f64; 3],
     /// How bodies are driven, and nodes of deformable ones: functions of time.
     guides: Vec<Guide>,
     boundaries: Vec<Boundary>,
@@ -84,6 +89,7 @@ impl Whole {
             total,
             vacant: vacant.collect(),
             largest,
+            paths: world.batch.edge_paths(),
             guides,
             boundaries: boundaries.filter(will_move).cloned().collect(),
         }
@@ -118,6 +124,8 @@ struct Until {
     travelled: f64,
     /// Its radius; that of a deformable body may grow, m.
     radius: f64,
+    /// In periodic space: by how many edges it was away from the cell.
+    image: [i32; 3],
 }
 
 /// What two ranks exchange; lists by local number, ascending.
@@ -138,7 +146,7 @@ impl World {
     /// the number that a body had here.
     ///
     /// # Errors
-    /// [`SolveError::Ranks`] for what cannot be shared: bodies that may break, bonds, a periodic cell, what a host moves, and
+    /// [`SolveError::Ranks`] for what cannot be shared: bodies that may break, bonds, bodies that a host moves, and
     /// [friction that begins](Self::begin_friction); if the worlds of the ranks differ, or their programs; and what `halo` reports.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         self.share_out_with(&(), halo)
@@ -172,8 +180,21 @@ impl World {
     /// by more than a quarter of the largest radius of all bodies in a step, and [`SolveError::BodyFailed`] for driven nodes that
     /// move by more than a quarter of the depth of their body.
     pub fn step_on(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        self.step_with_on(|_, _| None, halo)
+    }
+
+    /// As [`step_on`](Self::step_on), with a host that moves walls, as [`step_with`](Self::step_with): it says the same on all
+    /// ranks.
+    ///
+    /// # Errors
+    /// As [`step_on`](Self::step_on) and [`step_with`](Self::step_with).
+    pub fn step_with_on(
+        &mut self,
+        mut host: impl FnMut(Partner, f64) -> Option<Driven>,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
         self.fits(halo)?;
-        self.advance(&mut |_, _| None, halo)
+        self.advance(&mut host, halo)
     }
 
     /// Whether the world has a part of the bodies of a whole.
@@ -196,7 +217,7 @@ impl World {
     }
 
     /// Refuses ranks over which the world was not shared out.
-    fn fits(&self, halo: &dyn Halo) -> Result<(), SolveError> {
+    pub(super) fn fits(&self, halo: &dyn Halo) -> Result<(), SolveError> {
         let own = self.share.as_deref();
         let [rank, size] = own.map_or([0, 1], |share| [share.rank, share.cuts.ranks()]);
         if [rank, size] == [halo.rank(), halo.size()] {
@@ -222,11 +243,10 @@ impl World {
             .own_nodes()
             .any(|(_, nodes, _)| nodes.breakable.is_some());
         let of_bodies = self.live_bodies();
-        let of_bodies = of_bodies.filter_map(|(_, body)| body.driven.as_deref());
-        let mut guides = of_bodies.chain(&self.wall_drives);
+        let mut guides = of_bodies.filter_map(|(_, body)| body.driven.as_deref());
         let by_host = guides.any(|(guide, _)| guide.drive().is_none());
         for (what, is_there) in [
-            ("walls or bodies that a host moves", by_host),
+            ("bodies that a host moves", by_host),
             ("bonds", self.batch.bonds().next().is_some()),
             ("breakable bodies", breakable),
             (
@@ -234,7 +254,6 @@ impl World {
                 self.adaptive_bodies().next().is_some(),
             ),
             ("friction that begins", self.batch.begins_friction()),
-            ("a periodic cell", self.cell().is_some()),
         ] {
             if is_there {
                 return Err(SolveError::Ranks {
@@ -310,18 +329,44 @@ impl World {
         if share.cuts.are_to_first() {
             return 0.0;
         }
+        let paths = self.paths_since(share);
         let left = |i: BodyId| {
             let (until, way) = (share.until[i as usize], self.batch.way_and_reach(i));
             let grown = way.is_some_and(|[_, reach]| reach > until.radius);
             if grown {
                 0.0
             } else {
-                until.travelled - self.travelled(i)
+                until.travelled - self.travelled(i) - carried(until.image, paths)
             }
         };
         let soft = self.own_nodes().map(|(id, ..)| id);
         let awake = self.awake.iter().copied().chain(soft);
-        awake.map(left).fold(f64::INFINITY, f64::min)
+        let edges = share.whole.way() - carried([1; 3], paths);
+        awake.map(left).fold(edges, f64::min)
+    }
+
+    /// How far the edges of the periodic cell have gone since the bodies were dealt, m.
+    fn paths_since(&self, share: &Share) -> [f64; 3] {
+        let now = self.batch.edge_paths();
+        [0, 1, 2].map(|k| now[k] - share.whole.paths[k])
+    }
+
+    /// Refuses edges of a periodic cell that go so far in a step, m, that bodies may meet others that their rank does not know.
+    pub(super) fn check_edges(&self, ways: [f64; 3]) -> Result<(), SolveError> {
+        let share = self.share.as_deref().filter(|share| share.is_of_many());
+        let Some(share) = share else {
+            return Ok(());
+        };
+        let images = share.until.iter().map(|until| until.image);
+        let carried = images.map(|image| carried(image.map(|n| n.abs().saturating_add(1)), ways));
+        if carried.fold(0.0, f64::max) <= LARGEST_MOVE * share.whole.largest {
+            return Ok(());
+        }
+        Err(SolveError::Ranks {
+            why: format!(
+                "the edges of the periodic cell carry a body by more than {LARGEST_MOVE} of the largest radius of all bodies in a step: lower time_step.largest, or run it on one rank"
+            ),
+        })
     }
 
     /// Running bound of the distance any point of a body has travelled, m.
@@ -329,6 +374,12 @@ impl World {
         let soft = self.batch.way_and_reach(id);
         soft.map_or(self.bodies[id as usize].travelled, |[way, _]| way)
     }
+}
+
+/// How far edges carry a body that is so many of them away, m.
+fn carried(image: [i32; 3], paths: [f64; 3]) -> f64 {
+    let each = image.iter().zip(paths);
+    each.map(|(n, path)| f64::from(n.abs()) * path).sum()
 }
 
 fn ranks(why: &str) -> SolveError {

@@ -4,6 +4,7 @@ use super::{Share, ranks};
 use crate::body::Body;
 use crate::checkpoint;
 use crate::error::SolveError;
+use crate::halo::Halo;
 use crate::world::World;
 use crate::world::deformables::State;
 use crate::world::newcomers::Newcomers;
@@ -49,7 +50,46 @@ pub(super) struct Parts {
     pub newcomers: Newcomers,
 }
 
+/// Bodies, or pairs, that ranks send each other at a time: what is on its way is small beside what a rank keeps.
+const PORTION: usize = 1 << 14;
+
 impl Parts {
+    /// Bodies and then pairs, in as many portions on all ranks; without the newcomers.
+    pub fn portions(
+        self,
+        halo: &mut dyn Halo,
+    ) -> Result<impl Iterator<Item = Self> + use<>, SolveError> {
+        let lengths = [self.members.len(), self.pairs.len()];
+        let mut least = lengths.map(|length| -(length.div_ceil(PORTION) as f64));
+        halo.least(&mut least)?;
+        let [of_members, of_pairs] = least.map(|most| -most as usize);
+        let (mut members, mut pairs) = (self.members.into_iter(), self.pairs.into_iter());
+        Ok((0..of_members + of_pairs).map(move |at| {
+            let mut portion = Self::default();
+            if at < of_members {
+                portion.members = members.by_ref().take(PORTION).collect();
+            } else {
+                portion.pairs = pairs.by_ref().take(PORTION).collect();
+            }
+            portion
+        }))
+    }
+
+    /// Those of all ranks on the first one, and none on the others.
+    pub fn gathered(mut self, halo: &mut dyn Halo) -> Result<Self, SolveError> {
+        let newcomers = checkpoint::encode(&std::mem::take(&mut self.newcomers))?;
+        let mut all = Self::default();
+        for (_, bytes) in halo.send(vec![(0, newcomers)])? {
+            all.newcomers.join(checkpoint::decode(&bytes)?);
+        }
+        for portion in self.portions(halo)? {
+            for (_, bytes) in halo.send(vec![(0, checkpoint::encode(&portion)?)])? {
+                all.join(checkpoint::decode(&bytes)?);
+            }
+        }
+        Ok(all)
+    }
+
     pub fn join(&mut self, other: Self) {
         self.members.extend(other.members);
         self.pairs.extend(other.pairs);
@@ -98,6 +138,9 @@ impl World {
             .into_iter()
             .filter(|pair| !is_guest[pair.sides().1 as usize]);
         parts.pairs = own.filter_map(|pair| pair.renumbered(number)).collect();
+        if let Some(deformables) = &mut self.deformables {
+            deformables.empty(0);
+        }
         self.bodies.clear();
         self.motions.clear();
         self.ahead.clear();
@@ -127,9 +170,8 @@ impl World {
         Ok(numbers)
     }
 
-    /// The bodies of all ranks, in the world of one.
-    pub(super) fn put_all(&mut self, total: u32, mut parts: Parts) -> Result<(), SolveError> {
-        parts.members.sort_by_key(|member| member.number);
+    /// The bodies of all ranks, ascending by number, in the world of one.
+    pub(super) fn put_all(&mut self, total: u32, parts: Parts) -> Result<(), SolveError> {
         self.newcomers = parts.newcomers;
         let members = parts.members.into_iter();
         let members = members.map(|member| (member.number, (member, false)));
@@ -226,6 +268,7 @@ impl Share {
         let guided = guides.all(|guide| guide.drive().is_some() && guide.validate().is_ok());
         self.cuts.is_sound()
             && is_length(self.whole.largest)
+            && self.whole.paths.into_iter().all(is_length)
             && lasting
             && guided
             && counted
@@ -268,8 +311,9 @@ mod tests {
             World::from_bytes(&world.to_bytes().unwrap())
         };
         assert!(read(|_| {}).is_ok());
-        let changes: [fn(&mut Share); 11] = [
+        let changes: [fn(&mut Share); 12] = [
             |share| share.whole.largest = f64::NAN,
+            |share| share.whole.paths[1] = f64::INFINITY,
             |share| share.until[1].travelled = f64::INFINITY,
             |share| share.until[1].radius = -1.0,
             |share| share.whole.guides = vec![Guide::host(Driven::default())],

@@ -12,7 +12,7 @@ mod periodic;
 use femdem_contact::{Partner, WallShape};
 use femdem_fem::Curve;
 use femdem_mesh::Vector3;
-use femdem_solve::{Driven, Resistance, Servo, World};
+use femdem_solve::{Alone, Driven, Halo, Resistance, Servo, SolveError, World};
 use serde::{Deserialize, Serialize};
 
 pub use cell::{Cell, CellState};
@@ -76,20 +76,17 @@ impl Group {
         sum / self.walls.len() as f64
     }
 
-    fn plan(&mut self, world: &World, sides: &[[f64; 3]], energy: f64) {
+    /// The velocity for the next step, from what its walls meet.
+    fn plan(&mut self, world: &World, sides: &[[f64; 3]], met: &[Resistance]) {
         let wanted = self.wanted(sides, world.time());
         let count = self.walls.len() as f64;
-        let force = self.push(world);
+        let mean = |of: fn(&Resistance) -> f64| met.iter().map(of).sum::<f64>() / count;
         self.velocity = match (&mut self.servo, self.cell) {
             (Some(servo), _) => {
-                let each = self.walls.iter();
-                let stiffness = each.map(|Sliding { wall, direction }| {
-                    world.wall_stiffness(*wall, direction).unwrap_or(0.0)
-                });
                 let met = Resistance {
-                    force,
-                    stiffness: stiffness.sum::<f64>() / count,
-                    energy,
+                    force: mean(|met| met.force),
+                    stiffness: mean(|met| met.stiffness),
+                    energy: mean(|met| met.energy),
                 };
                 servo.velocity(&met, wanted, world.time_step())
             }
@@ -202,16 +199,19 @@ impl Controls {
     }
 
     /// The velocities for the next step.
-    fn plan(&mut self, world: &World) {
-        let sides: Vec<[f64; 3]> = self
-            .cells
-            .iter()
-            .map(|cell| cell.walls.sides(world))
-            .collect();
-        let energy = world.stored_energy();
+    fn plan(&mut self, world: &World, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let each = self.cells.iter();
+        let sides: Vec<[f64; 3]> = each.map(|cell| cell.walls.sides(world)).collect();
+        let walls = self.groups.iter().flat_map(|group| &group.walls);
+        let walls = walls.map(|sliding| (sliding.wall, sliding.direction));
+        let met = world.resistances(&walls.collect::<Vec<_>>(), halo)?;
+        let mut rest = &met[..];
         for group in &mut self.groups {
-            group.plan(world, &sides, energy);
+            let (own, others) = rest.split_at(group.walls.len());
+            group.plan(world, &sides, own);
+            rest = others;
         }
+        Ok(())
     }
 
     /// Takes a step of the world, in which the controlled walls and the cell move.
@@ -219,21 +219,31 @@ impl Controls {
     /// # Errors
     ///
     /// Those of [`World::step`].
-    pub fn step(&mut self, world: &mut World) -> Result<(), femdem_solve::SolveError> {
+    pub fn step(&mut self, world: &mut World) -> Result<(), SolveError> {
+        self.step_on(world, &mut Alone)
+    }
+
+    /// As [`step`](Self::step), of a world that is [shared out](World::share_out), by all ranks, which have the same controls.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`World::step_on`].
+    pub fn step_on(&mut self, world: &mut World, halo: &mut dyn Halo) -> Result<(), SolveError> {
         if !self.groups.is_empty() {
-            self.plan(world);
+            self.plan(world, halo)?;
         }
         if let Some(cell) = &mut self.periodic {
-            cell.plan(world)?;
+            cell.plan(world, halo)?;
         }
         let start = world.time();
-        world.step_with(|thing, end| {
+        let driven = |thing, end: f64| {
             let Partner::Wall(wall) = thing else {
                 return None;
             };
             let mut places = self.groups.iter();
             places.find_map(|group| group.place(wall, end - start))
-        })?;
+        };
+        world.step_with_on(driven, halo)?;
         let taken = world.time() - start;
         for group in &mut self.groups {
             group.moved += group.velocity * taken;

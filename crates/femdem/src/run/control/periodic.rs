@@ -2,7 +2,7 @@
 
 use femdem_fem::Curve;
 use femdem_mesh::{Matrix3, Vector3};
-use femdem_solve::{Resistance, Servo, SolveError, World};
+use femdem_solve::{Halo, Resistance, Servo, SolveError, World};
 use serde::{Deserialize, Serialize};
 
 use super::{CellState, ControlEntry};
@@ -60,34 +60,44 @@ impl ControlledCell {
     }
 
     /// Sets the velocities of the edges for the next step.
-    pub(super) fn plan(&mut self, world: &mut World) -> Result<(), SolveError> {
+    pub(super) fn plan(
+        &mut self,
+        world: &mut World,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
         let moves = self.shear.is_some() || self.goals.iter().any(Option::is_some);
-        let Some((edges, stress)) = Self::now(world).filter(|_| moves) else {
+        let Some(cell) = world.cell().filter(|_| moves) else {
             // A run that begins from another one stops what moved there.
-            return world.deform_cell(Matrix3::zeros());
+            return world.deform_cell_on(Matrix3::zeros(), halo);
         };
-        let (time, step, energy) = (world.time(), world.time_step(), world.stored_energy());
+        let edges = *cell.edges();
+        let presses = self.goals.iter().flatten().any(|goal| goal.servo.is_some());
+        let met = match presses {
+            true => world.cell_resistance(halo)?,
+            false => None,
+        };
+        let (time, step) = (world.time(), world.time_step());
         let mut gradient = Matrix3::zeros();
         for (axis, goal) in self.goals.iter_mut().enumerate() {
             let Some(Goal { curve, servo }) = goal else {
                 continue;
             };
             let side = edges[(axis, axis)];
-            gradient[(axis, axis)] = match servo {
-                Some(servo) => {
+            gradient[(axis, axis)] = match (servo, &met) {
+                (Some(servo), Some(met)) => {
                     let area = edges.diagonal().product() / side;
-                    let met = Resistance {
-                        force: stress[(axis, axis)] * area,
-                        stiffness: world.cell_stiffness(axis).unwrap_or(0.0),
-                        energy,
+                    let resistance = Resistance {
+                        force: met.stress[(axis, axis)] * area,
+                        stiffness: met.stiffness[axis],
+                        energy: met.energy,
                     };
-                    -servo.velocity(&met, curve.at(time) * area, step) / side
+                    -servo.velocity(&resistance, curve.at(time) * area, step) / side
                 }
-                None => -curve.at(time),
+                _ => -curve.at(time),
             };
         }
         gradient.m13 = self.shear.as_ref().map_or(0.0, |rate| rate.at(time));
-        world.deform_cell(gradient * edges)
+        world.deform_cell_on(gradient * edges, halo)
     }
 
     /// Edges and stress.

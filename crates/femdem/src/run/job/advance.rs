@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use femdem_solve::Alone;
+
 use crate::Error;
 use crate::run::relaxation::Relaxing;
+use crate::run::stillness::STEPS_BETWEEN_LOOKS;
 use crate::run::{Ending, RelaxSummary, Run};
-
-/// Steps between checks for rest.
-const STEPS_BETWEEN_LOOKS: u64 = 64;
 
 impl Run {
     /// Advances by at most `steps` steps, or to the end of the run, and writes frames and rows into `folder`
@@ -30,7 +30,7 @@ impl Run {
                 if self.simulation.world.steps() == 1 {
                     self.scenario.check_step(self.time_step())?;
                 }
-                self.look();
+                self.look()?;
                 self.allow_sleep();
                 self.watch.look(&self.simulation)?;
                 self.check_books()?;
@@ -57,10 +57,11 @@ impl Run {
     }
 
     /// Checks whether the motion is over, and with it the run if there is no relaxation.
-    pub(super) fn look(&mut self) {
-        if let Some(ending) = self.end_of_motion() {
+    fn look(&mut self) -> Result<(), Error> {
+        if let Some(ending) = self.end_of_motion()? {
             self.end_motion(ending);
         }
+        Ok(())
     }
 
     /// Ends the run or, where there is one, begins the relaxation.
@@ -76,29 +77,20 @@ impl Run {
         }
     }
 
-    fn end_of_motion(&mut self) -> Option<Ending> {
+    fn end_of_motion(&mut self) -> Result<Option<Ending>, Error> {
         let world = &self.simulation.world;
         if world.time() >= self.scenario.duration {
-            return Some(Ending::Time);
+            return Ok(Some(Ending::Time));
         }
-        let rest = self.scenario.rest?;
+        let Some(rest) = self.scenario.rest else {
+            return Ok(None);
+        };
         if !world.steps().is_multiple_of(STEPS_BETWEEN_LOOKS) {
-            return None;
+            return Ok(None);
         }
-        if world.kinetic_energy() >= rest.energy || self.is_more_to_come() {
-            self.quiet_since = None;
-            self.verifying = false;
-            return None;
-        }
-        let now = world.time();
-        if now - *self.quiet_since.get_or_insert(now) < rest.time {
-            return None;
-        }
-        if !self.verifying {
-            self.verifying = true;
-            self.quiet_since = Some(now);
-            return None;
-        }
-        self.simulation.rest().at_rest.then_some(Ending::Rest)
+        let (now, energy) = (world.time(), world.kinetic_energy_on(&mut Alone)?);
+        let more_to_come = self.is_more_to_come();
+        let is_still = self.stillness.look(&rest, now, energy, more_to_come);
+        Ok((is_still && self.simulation.rest().at_rest).then_some(Ending::Rest))
     }
 }

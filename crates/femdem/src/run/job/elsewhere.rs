@@ -5,11 +5,11 @@ use std::path::Path;
 use femdem_solve::World;
 
 use crate::Error;
-use crate::run::Run;
+use crate::run::{Ending, Run};
 
 impl Run {
-    /// Refuses a run whose steps need more than its world, one that is controlled, loaded or fed, or ends at rest, and
-    /// implicit steps, which one rank would take alone.
+    /// Refuses a run whose steps need more than its world, its controls and its loads, one that is fed or
+    /// relaxed, and implicit steps, which one rank would take alone.
     /// [`World::share_out`] says what worlds cannot be shared.
     ///
     /// # Errors
@@ -19,10 +19,7 @@ impl Run {
         let (scene, simulation) = (&self.scenario, &self.simulation);
         let steps = simulation.world.parameters().time_step;
         for (name, is_there) in [
-            ("control", !simulation.controls.is_empty()),
-            ("load", !scene.load.is_empty()),
             ("source, gate or opening", !simulation.flow.is_empty()),
-            ("rest", scene.rest.is_some()),
             ("relax", scene.relax.is_some()),
             ("implicit steps", steps.implicit.is_some()),
         ] {
@@ -37,12 +34,6 @@ impl Run {
         Ok(())
     }
 
-    /// Takes the world out, for its steps to be taken elsewhere, and leaves another until [`go_on_with`](Self::go_on_with).
-    #[must_use]
-    pub fn give_world(&mut self, instead: World) -> World {
-        std::mem::replace(&mut self.simulation.world, instead)
-    }
-
     /// Time of the next row of the tables, the next frame or the end, s.
     #[must_use]
     pub fn next_due(&self) -> f64 {
@@ -51,17 +42,21 @@ impl Run {
         row.min(frame).min(self.scenario.duration)
     }
 
-    /// Goes on with a later state of the world: writes what is due, and ends the run if its time has come. Unlike
-    /// [`advance`](Self::advance) it does not notice bodies that have passed through thin ones.
-    ///
-    /// # Errors
-    ///
-    /// As [`advance`](Self::advance) but for those of the step: what is due cannot be written, or the energy ledger does not
-    /// close.
-    pub fn go_on_with(&mut self, world: World, folder: &Path) -> Result<(), Error> {
+    /// Goes on with a later state of the world: writes what is due, and ends the run if its time has come or its bodies rest.
+    /// Unlike [`advance`](Self::advance) it does not notice bodies that have passed through thin ones.
+    pub(super) fn go_on_with(
+        &mut self,
+        world: World,
+        may_rest: bool,
+        folder: &Path,
+    ) -> Result<(), Error> {
         self.simulation.world = world;
         self.scenario.check_step(self.time_step())?;
-        self.look();
+        if self.simulation.world.time() >= self.scenario.duration {
+            self.end_motion(Ending::Time);
+        } else if may_rest && self.simulation.rest().at_rest {
+            self.end_motion(Ending::Rest);
+        }
         self.watch.see_depths(&self.simulation);
         self.close_books()?;
         self.write_due(folder)

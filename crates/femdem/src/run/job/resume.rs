@@ -1,6 +1,7 @@
 //! Going on with a run under a changed scene.
 
 use super::super::changes::{Change, changes};
+use super::super::stillness::Stillness;
 use super::super::words::KEYS;
 use super::files::due;
 use super::{Relaxing, Run, Until};
@@ -91,8 +92,7 @@ impl Run {
         let goes_on = (self.ending.is_some() && ending.is_none())
             || (self.relaxing.is_some() && relaxing.is_none());
         if old.rest != new.rest || goes_on {
-            self.quiet_since = None;
-            self.verifying = false;
+            self.stillness = Stillness::default();
         }
         if old.until != new.until || goes_on {
             self.until = Until::default();

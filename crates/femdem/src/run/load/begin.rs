@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use femdem_mesh::Vector3;
-use femdem_solve::AppliedLoad;
+use femdem_solve::{Alone, AppliedLoad};
 
 use super::{BodyLoads, OnBodies, names};
 use crate::Error;
@@ -65,10 +65,11 @@ impl Simulation {
 
     /// Loads the bodies with the loads at a time \[s\].
     pub(in crate::run) fn load_bodies(&mut self, time: f64) -> Result<(), Error> {
-        if self.loads.loads.is_empty() {
+        if self.loads.is_empty() {
             return Ok(());
         }
-        let applied = self.loads.apply(&self.members, &mut self.world, time);
+        let world = &mut self.world;
+        let applied = self.loads.apply(&self.members, world, time, &mut Alone);
         applied.map_err(|error| error.by_keys(&KEYS))
     }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use femdem_contact::{BodyId, Wrench};
 use femdem_fem::Curve;
 use femdem_mesh::{Point3, Vector3};
-use femdem_solve::{AppliedLoad, World};
+use femdem_solve::{AppliedLoad, Halo, World};
 use serde::{Deserialize, Serialize};
 
 use super::Member;
@@ -247,26 +247,39 @@ impl BodyLoads {
         self.acting = None;
     }
 
-    /// Loads the members of a world with the loads at a time \[s\].
-    fn apply(&mut self, members: &[Member], world: &mut World, time: f64) -> Result<(), Error> {
+    /// Whether there are none.
+    pub(in crate::run) fn is_empty(&self) -> bool {
+        self.loads.is_empty()
+    }
+
+    /// Loads the members of a world, which ranks may share, with the loads at a time \[s\].
+    pub(in crate::run) fn apply(
+        &mut self,
+        members: &[Member],
+        world: &mut World,
+        time: f64,
+        halo: &mut dyn Halo,
+    ) -> Result<(), Error> {
         let factors: Vec<f64> = self.loads.iter().map(|load| load.factor.at(time)).collect();
         if self.acting.as_ref() == Some(&factors) {
             return Ok(());
         }
-        // Of bodies that have fragments, with these, by number, kg.
+        let here = |id: BodyId| world.number_here(id).filter(|id| !world.is_guest(*id));
+        // Of bodies that have fragments, with these, by number, kg. Ranks share no bodies that break.
+        let mass = |member: &Member| here(member.id).and_then(|id| world.mass(id));
         let mut masses = BTreeMap::new();
         for member in members {
             if let Some(first) = member.of {
-                let mass = |member: &Member| world.mass(member.id).unwrap_or(0.0);
-                let whole = masses
-                    .entry(first)
-                    .or_insert_with(|| members.get(first as usize).map_or(0.0, mass));
-                *whole += mass(member);
+                let of_first = || members.get(first as usize).and_then(mass).unwrap_or(0.0);
+                *masses.entry(first).or_insert_with(of_first) += mass(member).unwrap_or(0.0);
             }
         }
+        let mut loads = Vec::new();
         let each = (0..).zip(members).zip(&self.of_members);
         for ((number, member), numbers) in each {
-            let id = member.id;
+            let Some(id) = here(member.id).filter(|_| !numbers.is_empty()) else {
+                continue;
+            };
             let whole = masses.get(&member.of.unwrap_or(number));
             let share = whole
                 .zip(world.mass(id))
@@ -277,10 +290,9 @@ impl BodyLoads {
                 let Some(load) = load else { continue };
                 sum = sum + load * factors[number as usize];
             }
-            if !numbers.is_empty() && world.has_body(id) {
-                world.set_load(id, sum)?;
-            }
+            loads.push((member.id, sum));
         }
+        world.set_loads_on(&loads, halo)?;
         self.acting = Some(factors);
         Ok(())
     }

@@ -1,0 +1,179 @@
+//! Runs over ranks: the files of one world.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use femdem::run::{Ending, Part, Run, Scenario};
+use femdem::solve::{Alone, Halo};
+
+use crate::threads::Threads;
+
+const STONES: &str = r#"
+duration = 3
+every = 0.04
+
+[contact]
+friction = 0.4
+damping = 0.5
+penalty = 1e6
+
+[material.stone]
+density = 2500
+
+[[wall]]
+name = "box"
+box = { lower = [0, 0, 0], upper = [0.42, 0.15, 0.3], open = true }
+
+[[body]]
+name = "stone"
+shape = "A10"
+diameter = 0.05
+material = "stone"
+position = [0.03, 0.035, 0.03]
+copies = { count = [7, 2, 2], spacing = [0.058, 0.07, 0.07], seed = 1 }
+"#;
+
+/// The frames of a run, and why it ended and when.
+type Result = (BTreeMap<String, Vec<u8>>, Option<Ending>, f64);
+
+fn result(run: &Run, folder: &Path) -> Result {
+    let files = fs::read_dir(folder.join("frames")).unwrap();
+    let file = |entry: std::io::Result<fs::DirEntry>| {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        (name, fs::read(path).unwrap())
+    };
+    let time = run.simulation().world.time();
+    (files.map(file).collect(), run.ending(), time)
+}
+
+/// A rank's part of a run to its end, or so many steps, with what the first one has made.
+fn on_rank(text: &str, folder: &Path, steps: u64, halo: &mut dyn Halo) -> Option<Run> {
+    let mut run = (halo.rank() == 0).then(|| {
+        let mut run = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
+        run.advance(folder, 0).unwrap();
+        run
+    });
+    let mut part = Part::share_out(run.as_mut(), halo).unwrap();
+    assert!(part.world().own_bodies(0).next().is_some());
+    let mut ended = false;
+    while !ended && part.world().steps() < steps {
+        let may_end = part.step(halo).unwrap();
+        let mut due = [run.as_ref().map_or(f64::INFINITY, Run::next_due)];
+        halo.least(&mut due).unwrap();
+        if may_end || part.world().time() >= due[0] {
+            ended = part.go_on(run.as_mut(), folder, halo).unwrap();
+        }
+    }
+    if !ended {
+        part.go_on(run.as_mut(), folder, halo).unwrap();
+    }
+    run
+}
+
+fn alone(text: &str) -> Result {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
+    run.advance(folder.path(), u64::MAX).unwrap();
+    result(&run, folder.path())
+}
+
+fn shared(text: &str, size: usize) -> Result {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = Threads::each(size, |halo| on_rank(text, folder.path(), u64::MAX, halo));
+    let run = runs.into_iter().flatten().next().unwrap();
+    result(&run, folder.path())
+}
+
+fn has_the_same_end(text: &str, ending: Ending) {
+    let expected = alone(text);
+    assert_eq!(expected.1, Some(ending));
+    assert!(expected.0.len() > 4, "{} files", expected.0.len());
+    for size in [2, 3] {
+        assert!(shared(text, size) == expected, "{size} ranks");
+    }
+}
+
+#[test]
+fn a_run_over_ranks_ends_at_rest_where_it_does_alone() {
+    has_the_same_end(
+        &format!("rest = {{ energy = 1e-6, time = 0.02 }}\n{STONES}"),
+        Ending::Rest,
+    );
+}
+
+#[test]
+fn a_run_over_ranks_ends_at_a_limit_where_it_does_alone() {
+    let until =
+        "until = [{ column = \"kinetic\", below = 1e-3, after = 0.1 }]\nhistory-every = 5e-3";
+    has_the_same_end(&format!("{until}\n{STONES}"), Ending::Until);
+}
+
+/// A lid that presses, and a side that comes nearer.
+#[test]
+fn controlled_walls_go_on_over_ranks_from_a_checkpoint() {
+    let control = "control = { x = { strain-rate = 0.4, sides = \"upper\" }, z = { stress = 2e3, speed = 0.3, sides = \"upper\" } }";
+    let lidded = STONES.replace("open = true }", &format!("open = false }}\n{control}"));
+    let text = lidded
+        .replace("duration = 3", "duration = 0.16")
+        .replace("0.15, 0.3]", "0.15, 0.125]");
+    let expected = alone(&text);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let runs = Threads::each(3, |halo| on_rank(&text, path, 150, halo));
+    let mut first = runs.into_iter().flatten().next().unwrap();
+    assert_eq!(first.ending(), None);
+    first.flush(path).unwrap();
+    first.save(path, &femdem::Usage::default()).unwrap();
+    // By one world, whose controls are those of the ranks.
+    let (mut run, _) = Run::read(path).unwrap();
+    run.advance(path, u64::MAX).unwrap();
+    assert!(result(&run, path) == expected);
+    let cells = run.simulation().controls.cells(&run.simulation().world);
+    assert!(
+        cells[0].stress[2] > 1e3 && cells[0].strain[0] > 0.05,
+        "{cells:?}"
+    );
+}
+
+/// Stones that lie are pushed at a time, some more than others, so that they wake and slide.
+#[test]
+fn loads_over_ranks_are_those_alone() {
+    let loads = r#"[[load]]
+bodies = ["stone 3", "stone 9", "stone 10", "stone 22"]
+force = [0, 0, 4]
+table = [[0.2, 0], [0.22, 1], [0.3, 1], [0.34, 0]]
+[[load]]
+acceleration = [-3, 0, 0]
+table = [[0.2, 0], [0.25, 1]]"#;
+    let text = STONES.replace("duration = 3", "duration = 0.4");
+    let unloaded = alone(&text);
+    let text = format!("{text}\n{loads}");
+    let expected = alone(&text);
+    assert!(expected.0 != unloaded.0);
+    for size in [2, 3] {
+        assert!(shared(&text, size) == expected, "{size} ranks");
+    }
+}
+
+#[test]
+fn what_ranks_cannot_do_is_said() {
+    let fed = format!(
+        "{STONES}\n[[source]]\nname = \"more\"\nshape = \"cube\"\nsize = 0.02\nmaterial = \"stone\"\nlower = [0.1, 0.05, 0.2]\nupper = [0.2, 0.1, 0.3]\nrate = 10\nnumber = 5"
+    );
+    let relaxed = format!("relax = {{ tolerance = 1e-3 }}\n{STONES}");
+    for (text, expected) in [(fed, "source"), (relaxed, "relax")] {
+        let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+        let refused = Part::share_out(Some(&mut run), &mut Alone).err().unwrap();
+        let refused = refused.to_string();
+        assert!(
+            refused.contains(expected) && refused.contains("femdem run"),
+            "{refused}"
+        );
+    }
+    let none = Part::share_out(None, &mut Alone).err().unwrap().to_string();
+    assert!(none.contains("the first rank gives"), "{none}");
+}
