@@ -191,6 +191,26 @@ impl FrictionState {
         state
     }
 
+    /// A patch between places on A and B (m from their origins, world axes) whose springs carry a tangential force on B (N) and a
+    /// moment on B about the normal (N m). `stiffness` are those of the springs, N/m and N m/rad.
+    pub(crate) fn carrying(
+        [on_a, on_b]: [Vector3; 2],
+        [a, b]: [&Motion; 2],
+        force: &Vector3,
+        torsion: f64,
+        [stiffness, torsion_stiffness]: [f64; 2],
+    ) -> Self {
+        let over = |load: f64, k: f64| if k > 0.0 { load / k } else { 0.0 };
+        let half = force * over(-0.5, stiffness);
+        Self {
+            anchor_a: a.frame.rotation.tr_mul(&(on_a - half)),
+            anchor_b: b.frame.rotation.tr_mul(&(on_b + half)),
+            torsion: over(-torsion, torsion_stiffness),
+            stiffness,
+            torsion_stiffness,
+        }
+    }
+
     /// Shrinks stretch and torsion by a factor.
     pub(crate) fn relax(&mut self, overlap: &Overlap, a: &Motion, b: &Motion, scale: f64) {
         let stretch = self.stretch(overlap, a, b) * scale;

@@ -146,6 +146,7 @@ mod shape;
 mod sides;
 mod slots;
 mod sphere;
+mod spring_load;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 mod tets;
@@ -175,6 +176,7 @@ pub use periodic::EdgeLoad;
 pub use record::Contact;
 pub use shape::{ConvexShape, Frame};
 pub use sphere::{Sphere, SphereKernel};
+pub use spring_load::SpringLoad;
 pub use walls::{MeshWall, Wall, WallPlane, WallShape};
 
 #[cfg(all(doctest, feature = "proptest"))]

@@ -48,6 +48,16 @@ pub(crate) struct Rolling {
 }
 
 impl RollingState {
+    /// A spring that carries a moment on B, N m, until the next update, in which it takes on the stiffness of its patch.
+    pub fn carrying(moment: Vector3) -> Self {
+        // So soft that any patch is stiffer, which keeps its moment.
+        let stiffness = f64::EPSILON.powi(2);
+        Self {
+            angle: -moment / stiffness,
+            stiffness,
+        }
+    }
+
     /// Advances the spring by the time `dt` since the last evaluation, s. Without `dashpots` the moment is that of the
     /// spring alone.
     pub fn update(&mut self, patch: &Roller, turn: &Turn, dt: f64, dashpots: bool) -> Rolling {
@@ -104,6 +114,28 @@ impl RollingState {
 mod tests {
     use super::*;
     use femdem_mesh::Matrix3;
+
+    #[test]
+    fn a_spring_begins_with_the_moment_that_it_is_given() {
+        let patch = Roller {
+            normal: Vector3::z(),
+            most: 1.0,
+            stiffness: 30.0,
+            zeta: 0.3,
+        };
+        let turn = Turn {
+            rates: [Vector3::zeros(); 2],
+            mobilities: [Matrix3::identity(); 2],
+        };
+        let given = Vector3::new(0.3, -0.4, 0.0);
+        let mut state = RollingState::carrying(given);
+        for dt in [0.0, 1e-3] {
+            let rolling = state.update(&patch, &turn, dt, true);
+            assert!((rolling.moment - given).norm() < 1e-12, "{rolling:?}");
+            // M²/(2 k).
+            assert!((rolling.energy - 0.25 / 60.0).abs() < 1e-12, "{rolling:?}");
+        }
+    }
 
     /// Rolled to and fro by random rotations, with a patch that hardens and softens and a frame that turns, the spring
     /// never gives more than it took, and the moment keeps to its bound and plane.

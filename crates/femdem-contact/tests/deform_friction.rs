@@ -8,7 +8,7 @@ use crate::common::tets::{block, body, cube, cubes};
 use femdem_contact::deform::{Modulus, NodalState};
 use femdem_contact::{
     BodyShape, Contact, ContactBatch, ContactLaw, ContactParameters, Field, Frame, Motion, Partner,
-    Wall, restitution,
+    SpringLoad, Wall, restitution,
 };
 use femdem_mesh::nalgebra::{UnitQuaternion, Vector3};
 
@@ -606,11 +606,15 @@ fn shaken_stick_does_not_creep() {
     }
 }
 
-/// A contact taken over from elsewhere begins with the given force and torsion.
+/// A contact taken over from elsewhere begins with the given load of its springs, and gives it back.
 #[test]
 fn contacts_begin_with_the_friction_they_are_given() {
+    let parameters = ContactParameters {
+        rolling_friction: 0.1,
+        ..law()
+    };
     for ground in GROUNDS {
-        let mut rig = Rig::new(law(), ground);
+        let mut rig = Rig::new(parameters, ground);
         let load = rig.clone().update().normal_force;
         let a = match ground {
             Ground::Floor => Partner::Wall(0),
@@ -619,9 +623,32 @@ fn contacts_begin_with_the_friction_they_are_given() {
         let b = rig.batch.len() as u32 - 1;
         let force = Vector3::new(0.2, -0.1, 0.0) * load;
         let torsion = 0.03 * load;
-        rig.batch.begin_friction(a, b, force, torsion).unwrap();
+        let given = SpringLoad {
+            force,
+            torsion,
+            rolling: Vector3::new(0.004, 0.002, 0.0) * load,
+        };
+        rig.batch.begin_springs(a, b, given).unwrap();
         rig.update();
         let contact = rig.update();
+        assert!(
+            (contact.rolling - given.rolling).norm() < 1e-6 * load,
+            "{ground:?}"
+        );
+        let all = rig.batch.springs_of(b);
+        let held = all[&(contact.a, contact.b)];
+        assert!(
+            (held.force - force).norm() < 1e-7 * load,
+            "{ground:?} {held:?}"
+        );
+        assert!(
+            (held.torsion - torsion).abs() < 1e-3 * torsion,
+            "{ground:?} {held:?}"
+        );
+        assert!(
+            (held.rolling - given.rolling).norm() < 1e-6 * load,
+            "{ground:?} {held:?}"
+        );
         assert!(
             (contact.friction - force).norm() < 1e-7 * load,
             "{ground:?} {}",

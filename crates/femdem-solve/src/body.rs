@@ -309,6 +309,12 @@ impl Body {
         force / self.mass + torque / self.moments.min() * self.radius
     }
 
+    /// Whether the external load has a torque, or turns with the body.
+    pub fn turns_by_load(&self) -> bool {
+        let load = self.load.as_deref();
+        load.is_some_and(|load| load.largest()[1] > 0.0 || load.follows())
+    }
+
     /// The external load about the centroid in world axes.
     pub fn applied(&self) -> Wrench {
         self.applied_at(&self.orientation)

@@ -55,6 +55,14 @@ pub enum SolveError {
         /// What it has.
         found: String,
     },
+    /// A body that is to be deformable near its strength only must be able to be either.
+    #[error("a body that is deformable near its strength only needs {needs}, not {found}")]
+    CannotAdapt {
+        /// What it needs.
+        needs: &'static str,
+        /// What it has.
+        found: &'static str,
+    },
     /// An index refers to something that was never added, or has been removed.
     #[error("there is no {what} {index} (never added, or removed): there are {count}")]
     NoSuch {

@@ -42,6 +42,8 @@ pub(crate) struct Flows {
     pub cracks: CrackFlows,
     /// What bonds exchanged.
     pub bonds: BondFlows,
+    /// See [`Ledger::fidelity`].
+    pub fidelity: f64,
     /// Numerical dissipation of implicit steps.
     pub step_loss: f64,
     /// Of the last implicit step; `None` after an explicit one.
@@ -76,6 +78,7 @@ impl AddAssign for Flows {
             (&mut self.viscous_work, other.viscous_work),
             (&mut self.plastic_work, other.plastic_work),
             (&mut self.step_loss, other.step_loss),
+            (&mut self.fidelity, other.fidelity),
             (&mut self.bonds.glue, other.bonds.glue),
             (&mut self.bonds.friction, other.bonds.friction),
             (&mut self.bonds.released, other.bonds.released),
@@ -119,7 +122,7 @@ impl Flows {
 }
 
 /// Energies of a world, J. The sum of `final_energy` and everything dissipated equals [`given`](Self::given),
-/// `initial + by_hand + work_in + load_work + lent`, up to the integration error. Bodies that overlap when they are added or
+/// `initial + by_hand + work_in + load_work + lent + fidelity`, up to the integration error. Bodies that overlap when they are added or
 /// put somewhere by hand, and walls placed where bodies are, bring elastic energy. `initial` or `by_hand` contains it
 /// from the next step on.
 ///
@@ -160,6 +163,9 @@ pub struct Ledger {
     /// Lent to cracks at their births: the energy of their stretched springs. It comes back in what they dissipate. And what
     /// contacts held more than the ended bonds that they took over from.
     pub lent: f64,
+    /// Given to bodies when they became deformable, less what was taken when they became rigid ([`World::set_adaptive`](crate::World::set_adaptive)): mostly the
+    /// energy of their strains, and of their motion within themselves.
+    pub fidelity: f64,
     /// Kinetic energy now.
     pub kinetic: f64,
     /// Potential energy in gravity now, relative to the origin.
@@ -205,7 +211,7 @@ pub struct Ledger {
 impl Ledger {
     /// All energy put in: at the beginning and by additions, by hand, by drives and by loads, J.
     pub fn given(&self) -> f64 {
-        self.initial + self.by_hand + self.work_in + self.load_work + self.lent
+        self.initial + self.by_hand + self.work_in + self.load_work + self.lent + self.fidelity
     }
 
     /// Kinetic, potential, elastic and spring energy now, J.

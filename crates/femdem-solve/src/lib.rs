@@ -205,6 +205,7 @@ pub use parameters::{
 };
 pub use servo::{Resistance, Servo};
 pub use world::{
-    CellResistance, ContactStiffness, Counters, CrackFacet, Cracks, Deformable, DeformableSpec,
-    Fragmentation, ModelId, Residuals, Stability, World, WorldRelaxation, WorldRelaxed,
+    Adaptive, CellResistance, ContactStiffness, Counters, CrackFacet, Cracks, Deformable,
+    DeformableSpec, Fidelity, FidelityChange, Fragmentation, ModelId, Residuals, Stability, World,
+    WorldRelaxation, WorldRelaxed,
 };

@@ -1,5 +1,6 @@
 //! All tests of the public interface in one program, since each test file takes longer to link than to run.
 
+mod adaptive;
 mod adhesion;
 mod any_shape;
 mod bond_worlds;

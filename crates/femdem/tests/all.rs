@@ -14,6 +14,7 @@ mod resolve;
 mod resume;
 mod run;
 mod run_ranks;
+mod scene_adaptive;
 mod scene_bonds;
 mod scene_cases;
 mod scene_cell;

@@ -69,8 +69,8 @@ fn what_cannot_break_is_refused_by_its_key() {
             ["material.mortar: fracture = given", "no breakable body"],
         ),
         (
-            bar("\"breakable\"", "\"adaptive\""),
-            ["adaptive", "breakable"],
+            bar("\"breakable\"", "\"brittle\""),
+            ["brittle", "breakable"],
         ),
         (
             bar("\"breakable\"", "\"breakable\"\nelement = \"t10\""),

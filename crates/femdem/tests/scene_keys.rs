@@ -10,11 +10,11 @@ use std::path::PathBuf;
 use femdem::run::{
     Axes, AxisEntry, Behaviour, BodyEntry, BodySummary, BondEntry, BondSummary, BoundaryEntry,
     BridgeEntry, CELL_COLUMNS, CellEntry, CellState, ContactEntry, ControlEntry, Copies, Ending,
-    FLOW_COLUMNS, FlowSummary, FocusEntry, FractureEntry, FractureSummary, GateEntry,
-    HISTORY_COLUMNS, Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry, MediumEntry, MotionEntry,
-    PairEntry, Penalty, PenetrationSummary, Reached, ReactionSummary, RegionEntry, RelaxEntry,
-    RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary, Scenario,
-    SelectEntry, ShearEntry, Sides, SourceEntry, StepEntry, StrainSummary, UntilEntry,
+    FLOW_COLUMNS, FidelitySummary, FlowSummary, FocusEntry, FractureEntry, FractureSummary,
+    GateEntry, HISTORY_COLUMNS, Law, LoadEntry, MEMBER_COLUMNS, MaterialEntry, MediumEntry,
+    MotionEntry, PairEntry, Penalty, PenetrationSummary, Reached, ReactionSummary, RegionEntry,
+    RelaxEntry, RelaxSummary, RestEntry, RestSummary, RotationEntry, RunEnergy, RunSummary,
+    Scenario, SelectEntry, ShearEntry, Sides, SourceEntry, StepEntry, StrainSummary, UntilEntry,
     WALL_HISTORY_COLUMNS, WallSummary, WeibullEntry, Zone,
 };
 use femdem::scene::Unit;
@@ -715,6 +715,7 @@ fn summary() -> RunSummary {
             work_in: 1.0,
             by_hand: 1.0,
             lent: 1.0,
+            fidelity: 1.0,
             kinetic: 1.0,
             potential: 1.0,
             strain: 1.0,
@@ -747,6 +748,14 @@ fn summary() -> RunSummary {
             cut_area: 1.0,
             broken_area: 1.0,
             highest: 1.0,
+        }),
+        fidelity: Some(FidelitySummary {
+            bodies: 1,
+            softened: 1,
+            hardened: 1,
+            highest: 1.0,
+            deformable_share: 1.0,
+            largest_share: 1.0,
         }),
         bonds: Some(BondSummary {
             count: 1,

@@ -5,12 +5,13 @@ use super::{ContactBatch, Snapshot};
 use crate::body_shape::Kind;
 use crate::contact::{BodyId, Load, Partner};
 use crate::deform::{
-    Around, DeformablePart, DeformableShape, DeformableTotals, FragmentShape, FrictionStart,
-    Modulus, NodalLoads, NodalState, Side,
+    Around, DeformablePart, DeformableShape, DeformableTotals, FragmentShape, Modulus, NodalLoads,
+    NodalState, Side,
 };
 use crate::error::{ContactError, check};
 use crate::motion::Motion;
 use crate::record::Contact;
+use crate::spring_load::SpringLoad;
 use femdem_mesh::Vector3;
 use std::sync::Arc;
 
@@ -251,20 +252,31 @@ impl ContactBatch {
         force: Vector3,
         torsion: f64,
     ) -> Result<(), ContactError> {
-        check(
-            "force",
-            force.norm(),
-            true,
-            "finite in every component, in N",
-        )?;
-        check("torsion", torsion, true, "finite, in N m")?;
-        let start = FrictionStart { force, torsion };
+        let load = SpringLoad {
+            force,
+            torsion,
+            rolling: Vector3::zeros(),
+        };
+        self.begin_springs(a, b, load)
+    }
+
+    /// [`begin_friction`](Self::begin_friction) with all that springs carry.
+    ///
+    /// # Errors
+    /// As from [`begin_friction`](Self::begin_friction).
+    pub fn begin_springs(
+        &mut self,
+        a: Partner,
+        b: BodyId,
+        load: SpringLoad,
+    ) -> Result<(), ContactError> {
+        load.check()?;
         let (a, b, start) = match self.side(a)? {
             Side::Deformable(other) if other > b => {
                 self.known_deformable(b)?;
-                (Side::Deformable(b), other, start.seen_from(true))
+                (Side::Deformable(b), other, load.seen_from(true))
             }
-            side => (side, b, start),
+            side => (side, b, load),
         };
         self.known_deformable(b)?.begin_friction(a, b, start);
         Ok(())
@@ -322,7 +334,7 @@ impl ContactBatch {
     }
 
     /// The deformable part, made beside all rigid bodies and walls if it does not exist.
-    fn deformable_mut(&mut self) -> &mut DeformablePart {
+    pub(super) fn deformable_mut(&mut self) -> &mut DeformablePart {
         let (awake, walls) = (&self.awake, self.walls.len());
         if self.deformable.is_none() {
             self.all_loads = [self.sums.loads.clone(), self.sums.walls.clone()];
@@ -333,7 +345,10 @@ impl ContactBatch {
         part.as_mut()
     }
 
-    fn known_deformable(&mut self, body: BodyId) -> Result<&mut DeformablePart, ContactError> {
+    pub(super) fn known_deformable(
+        &mut self,
+        body: BodyId,
+    ) -> Result<&mut DeformablePart, ContactError> {
         let count = self.deformable_count();
         let part = self.deformable.as_deref_mut();
         part.filter(|part| part.contains(body))

@@ -12,6 +12,7 @@ use crate::kernel::Overlap;
 use crate::motion::Motion;
 use crate::rocking::RockingState;
 use crate::rolling::RollingState;
+use crate::spring_load::SpringLoad;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -83,6 +84,20 @@ impl PatchRecord {
     /// Invalidates the key: the kernel's keys have changed, and only positions match patches now.
     pub fn forget_key(&mut self) {
         self.key = [u32::MAX; 2];
+    }
+
+    /// Gives its springs a load. `ratio` is the tangential over the normal stiffness.
+    pub fn carry(&mut self, [a, b]: [&Motion; 2], load: &SpringLoad, ratio: f64) {
+        let foundation = &self.contact.foundation;
+        let stiffness = [ratio * foundation.stiffness, ratio * foundation.polar()];
+        let normal = self.contact.normal;
+        let across = load.force - normal * normal.dot(&load.force);
+        let places = [self.contact.arm_a, self.contact.arm_b];
+        let friction = FrictionState::carrying(places, [a, b], &across, load.torsion, stiffness);
+        self.history = History {
+            rolling: RollingState::carrying(load.rolling),
+            ..friction.into()
+        };
     }
 
     /// Distance (m) between a patch and the present place of this one, carried along by both bodies, if

@@ -10,6 +10,7 @@ mod exact;
 mod gather;
 mod history;
 mod implicit;
+mod kind;
 mod layout;
 mod materials;
 mod pairs;

@@ -534,6 +534,14 @@ impl PairTable {
         list.into_iter().flatten().map(|n| self.slot(n.slot))
     }
 
+    /// The pair of two sides, if it is a candidate.
+    pub fn between_mut(&mut self, a: Partner, b: BodyId) -> Option<&mut Pair> {
+        let list = self.neighbours.get(b as usize)?;
+        let is_it = |n: &&Neighbour| self.slot(n.slot).a == a && self.slot(n.slot).b == b;
+        let slot = list.iter().find(is_it)?.slot;
+        Some(self.slot_mut(slot))
+    }
+
     pub fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = &RigidContact> {
         self.of(body).flat_map(Pair::contacts)
     }

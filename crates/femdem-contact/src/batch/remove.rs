@@ -80,7 +80,7 @@ impl ContactBatch {
     }
 
     /// Ends all pairs and bonds of a body, and forgets where it was.
-    fn leave(&mut self, body: BodyId) -> Result<Vec<BodyId>, ContactError> {
+    pub(super) fn leave(&mut self, body: BodyId) -> Result<Vec<BodyId>, ContactError> {
         let side = self.side(Partner::Body(body))?;
         let touched = self.touched_by(side);
         if let Some(part) = &mut self.deformable {

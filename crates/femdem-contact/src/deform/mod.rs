@@ -116,7 +116,6 @@ pub use batch::FragmentShape;
 pub(crate) use batch::{Around, DeformablePart, Sleep, SoftBody, SoftPair};
 pub use kernel::{DeformableKernel, DeformableOverlap, NodeForce};
 pub use operand::Operand;
-pub(crate) use pair::FrictionStart;
 pub use record::{DeformableTotals, NodalLoads, NodalState};
 pub use scratch::DeformableScratch;
 pub use shape::{DeformableShape, Modulus};

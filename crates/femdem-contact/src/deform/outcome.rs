@@ -7,6 +7,7 @@ use crate::generalized::Resistance;
 use crate::record::Contact;
 use crate::rocking::RockingState;
 use crate::rolling::RollingState;
+use crate::spring_load::SpringLoad;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +41,8 @@ pub(crate) struct Outcome {
     /// One for each patch.
     pub rocking: Vec<RockingState>,
     pub rolling: Vec<RollingState>,
+    /// What the springs of each patch carry.
+    pub springs: Vec<SpringLoad>,
 }
 
 /// The dashpot of a patch.

@@ -8,8 +8,7 @@ use crate::contact::{BodyId, Partner};
 use crate::law::ContactParameters;
 use crate::motion::Motion;
 use crate::rocking::Turn;
-use femdem_mesh::Vector3;
-use serde::{Deserialize, Serialize};
+use crate::spring_load::SpringLoad;
 
 /// Motion of one side of a pair.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +29,7 @@ pub(crate) struct Pair<'a> {
     pub near: &'a Near,
     pub law: &'a ContactParameters,
     /// Initial friction of the springs.
-    pub begins: Option<FrictionStart>,
+    pub begins: Option<SpringLoad>,
     /// Time since the last evaluation, s.
     pub dt: f64,
 }
@@ -55,22 +54,5 @@ impl Pair<'_> {
             rates: [of_a, of_b],
             mobilities: [w_a, w_b],
         })
-    }
-}
-
-/// Initial friction of a pair's springs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct FrictionStart {
-    /// On B, N.
-    pub force: Vector3,
-    /// On B about the normal, N m.
-    pub torsion: f64,
-}
-
-impl FrictionStart {
-    /// The same if the two sides have changed places: the moment about the normal is the same seen from either.
-    pub fn seen_from(self, swapped: bool) -> Self {
-        let force = if swapped { -self.force } else { self.force };
-        Self { force, ..self }
     }
 }

@@ -39,7 +39,7 @@ impl std::ops::AddAssign<&Self> for DeformableTotals {
 }
 
 /// Positions, velocities and inverse masses of the nodes of a deformable body.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct NodalState<'a> {
     /// Positions, m.
     pub positions: &'a [Vector3],

@@ -17,6 +17,7 @@ use crate::motion::Motion;
 use crate::record::Contact;
 use crate::rocking::{Rocker, Rocking, RockingState, Turn};
 use crate::rolling::{Roller, Rolling, RollingState};
+use crate::spring_load::SpringLoad;
 use femdem_mesh::Vector3;
 
 /// How easily a patch gives way, and how it moves.
@@ -77,6 +78,7 @@ impl Outcome {
         self.bristles.clear();
         self.rocking.clear();
         self.rolling.clear();
+        self.springs.clear();
     }
 
     /// Makes side A side B. The springs stay those of the side that they belong to.
@@ -91,6 +93,10 @@ impl Outcome {
             opposite(&mut contact.rocking);
             opposite(&mut contact.rolling);
             opposite(&mut contact.friction);
+        }
+        for springs in &mut self.springs {
+            opposite(&mut springs.force);
+            opposite(&mut springs.rolling);
         }
     }
 
@@ -115,6 +121,15 @@ impl Outcome {
             self.rocking = vec![RockingState::default(); patches.list.len()];
             self.rolling = vec![RollingState::default(); patches.list.len()];
         }
+        if let Some(start) = pair.begins.filter(|_| self.bristles.is_empty()) {
+            let pressed = |patch: &Patch| patch.wrench[1][0].norm();
+            let all: f64 = patches.list.iter().map(pressed).sum();
+            let part =
+                |patch: &Patch| start.rolling * (pressed(patch) / all.max(f64::MIN_POSITIVE));
+            let each = patches.list.iter().map(part);
+            self.rolling = each.map(RollingState::carrying).collect();
+        }
+        self.springs.clear();
         let turn = pair.turn();
         for (number, (patch, dashpot)) in patches.list.iter().zip(&dashpots).enumerate() {
             let mut contact = pair.contact(scratch, &patches, number, dashpot.total);
@@ -142,6 +157,10 @@ impl Outcome {
                 }
                 rolling_power += rolling.moment.dot(&(turn.rates[1] - turn.rates[0]));
             }
+            self.springs.push(SpringLoad {
+                rolling: rolling.moment - rolling.drag,
+                ..SpringLoad::default()
+            });
             rollings.push(rolling);
             self.contacts.push(contact);
             rockings.push(rocking.0);

@@ -3,10 +3,11 @@
 use super::bristle::{Bristle, Mobility, Touch};
 use super::operand::Operand;
 use super::outcome::{Dashpot, Outcome};
-use super::pair::{FrictionStart, Mover, Pair};
+use super::pair::{Mover, Pair};
 use super::patches::Patches;
 use super::scratch::DeformableScratch;
 use super::sums::{PairSums, TriangleLoad};
+use crate::spring_load::SpringLoad;
 use femdem_mesh::Vector3;
 
 /// Sums of the friction of a pair.
@@ -109,6 +110,10 @@ impl Outcome {
             contact.tangential_stiffness += friction.stiffness;
             contact.slides &= friction.slides;
             rubbing.power += friction.force.dot(&touch.slip);
+            let held = friction.force - friction.drag;
+            let arm = touch.point - (contact.point - pair.near.origin);
+            self.springs[number].force += held;
+            self.springs[number].torsion += contact.normal.dot(&arm.cross(&held));
             let (rates, viscosity) = touch.rates(friction.viscosity);
             marks.push(Mark {
                 places: touch.places,
@@ -264,9 +269,12 @@ impl Pair<'_> {
         Some((velocity, mobility))
     }
 
-    /// Springs that carry a given friction, in proportion to the normal loads of their triangles.
-    fn begin(&self, start: &FrictionStart, touches: &[(u32, Touch)]) -> Vec<Bristle> {
+    /// Springs that carry a given friction, in proportion to the normal loads of their triangles; none where the dashpots leave none.
+    fn begin(&self, start: &SpringLoad, touches: &[(u32, Touch)]) -> Vec<Bristle> {
         let pressing: f64 = touches.iter().map(|(_, t)| t.force).sum();
+        if pressing <= 0.0 {
+            return self.inherit(Vec::new(), touches);
+        }
         let centre: Vector3 = touches.iter().map(|(_, t)| t.point * t.force).sum();
         let centre = centre / pressing;
         let normal: Vector3 = touches.iter().map(|(_, t)| t.normal * t.force).sum();

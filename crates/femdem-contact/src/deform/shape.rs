@@ -485,6 +485,13 @@ pub enum Modulus {
     Penalty(f64),
     /// Foundation modulus kappa = p/h0, 1e-100 to 1e100 Pa/m: pressure over depth.
     Foundation(f64),
+    /// A penalty (Pa) of a body that has cracked: the pressure over depth is still that of the field which had this length, m.
+    Kept {
+        /// 1e-100 to 1e100 Pa.
+        penalty: f64,
+        /// m.
+        length: f64,
+    },
 }
 
 impl Modulus {
@@ -499,6 +506,19 @@ impl Modulus {
         match self {
             Self::Penalty(p) => *p,
             Self::Foundation(kappa) => kappa * inradius,
+            Self::Kept { penalty, length } => penalty * (inradius / length),
+        }
+    }
+
+    /// The same pressure over depth, whatever becomes of the length of the field, which is `inradius` (m) now.
+    pub(crate) fn kept(self, inradius: f64) -> Self {
+        match self {
+            Self::Penalty(penalty) => Self::Kept {
+                penalty,
+                length: inradius,
+            },
+            Self::Foundation(kappa) => Self::Foundation(kappa),
+            Self::Kept { .. } => self,
         }
     }
 
@@ -506,6 +526,10 @@ impl Modulus {
     pub(crate) fn check(&self) -> Result<(), ContactError> {
         match *self {
             Self::Penalty(p) => check_pressure("penalty", p),
+            Self::Kept { penalty, length } => {
+                check_pressure("penalty", penalty)?;
+                check("length", length, length > 0.0, "positive and finite, in m")
+            }
             Self::Foundation(k) => check(
                 "foundation modulus",
                 k,
@@ -518,12 +542,18 @@ impl Modulus {
     /// Pressures by which the fields of A and B are multiplied, Pa: U = int (p_A phi_A + p_B phi_B) dV.
     /// `lengths` are those of the fields, m.
     ///
-    /// For two penalties, both are the harmonic mean, as if each were half of a pair of equal bodies. If one
-    /// side is given by its foundation modulus, the harmonic mean of the foundation moduli is used.
+    /// For two penalties, both are the harmonic mean, as if each were half of a pair of equal bodies; of one that is kept,
+    /// over the length that the field had. If one side is given by its foundation modulus, the harmonic mean of the foundation moduli is used.
     pub(crate) fn combine(of: [Self; 2], lengths: [f64; 2]) -> [f64; 2] {
         let harmonic = |x: f64, y: f64| 2.0 / (1.0 / x + 1.0 / y);
-        if let [Self::Penalty(p), Self::Penalty(q)] = of {
-            return [harmonic(p, q); 2];
+        // Penalties, and the lengths of the fields now over those for which they were given.
+        let grown = [0, 1].map(|i| match of[i] {
+            Self::Penalty(p) => Some((p, 1.0)),
+            Self::Kept { penalty, length } => Some((penalty, lengths[i] / length)),
+            Self::Foundation(_) => None,
+        });
+        if let [Some((p, a)), Some((q, b))] = grown {
+            return [a, b].map(|grown| harmonic(p, q) * grown);
         }
         let kappa = [0, 1].map(|i| of[i].penalty(lengths[i]) / lengths[i]);
         lengths.map(|h| harmonic(kappa[0], kappa[1]) * h)

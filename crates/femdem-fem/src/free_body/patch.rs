@@ -4,7 +4,7 @@ use super::FreeBody;
 use super::place::Place;
 use crate::error::{FemError, check};
 use femdem_mesh::tet::MID_EDGES;
-use femdem_mesh::{Matrix3, Point3, Vector3};
+use femdem_mesh::{Matrix3, Point3, Pose, Vector3};
 
 /// Force and moment of a contact on a body, and the disc over which they are spread. In the coordinates of the body's mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +26,19 @@ impl PatchLoad {
     #[must_use]
     pub fn radius(&self) -> f64 {
         (self.area / std::f64::consts::PI).sqrt()
+    }
+
+    /// The same in the coordinates that `pose` takes to those in which it is given.
+    #[must_use]
+    pub fn seen_from(&self, pose: &Pose) -> Self {
+        let back = pose.inverse();
+        Self {
+            point: back * self.point,
+            normal: back * self.normal,
+            area: self.area,
+            force: back * self.force,
+            moment: back * self.moment,
+        }
     }
 
     pub(super) fn check(&self) -> Result<(), FemError> {

@@ -48,6 +48,9 @@ impl World {
         self.restored()?;
         self.not_shared("bonding bodies")?;
         check_explicit(self.parameters.time_step.implicit.is_some())?;
+        for body in bodies {
+            self.refuse_adaptive(Some(body), "to be free of bonds", "a bond")?;
+        }
         let [a, b] = bodies;
         let own = |c: &&Contact| c.has_side(Partner::Body(a)) && c.has_side(Partner::Body(b));
         let contacts = self.batch.contacts_of(a);

@@ -42,6 +42,7 @@ impl World {
             initial_energy: 0.0,
             flows: Flows::default(),
             deformables: None,
+            adaptives: None,
             share: None,
             counters: Counters::default(),
         })
@@ -100,6 +101,7 @@ impl World {
     ) -> Result<(), SolveError> {
         let laws = parameters.laws(others)?;
         self.restored()?;
+        self.check_adaptive_laws(&laws)?;
         self.parameters = parameters;
         self.batch.set_laws(laws);
         if let Some(deformables) = &mut self.deformables {

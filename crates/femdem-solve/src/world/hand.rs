@@ -51,6 +51,7 @@ impl World {
         self.motions[i] = Motion::fixed(Frame::identity());
         self.awake.retain(|&other| other != id);
         self.newcomers.forget(Partner::Body(id));
+        self.forget_adaptive(id);
         self.step_control.lose();
         self.book_ended(stored, &touched);
         Ok(())
@@ -190,6 +191,13 @@ impl World {
             return self.pull_deformable(id, &load.fixed);
         }
         let i = self.known_body(id)?;
+        if torque > 0.0 || load.follows() {
+            self.refuse_adaptive(
+                Some(id),
+                "loads without a torque",
+                "a torque, or a load that turns with it",
+            )?;
+        }
         let body = &mut self.bodies[i];
         if body.set_load(&load, &self.shapes[body.shape as usize]) {
             self.stir(&[id]);

@@ -1,6 +1,7 @@
 //! Contact laws of pairs of materials, and the materials of bodies and walls.
 
 use super::World;
+use super::deformables::check_laws;
 use crate::error::SolveError;
 use crate::parameters::WorldParameters;
 use femdem_contact::{BodyId, ContactLaw, ContactLaws, ContactParameters, MaterialId};
@@ -137,6 +138,9 @@ impl World {
         self.known(id)?;
         if self.material(id) == Some(material) {
             return Ok(());
+        }
+        if self.is_adaptive(id) {
+            check_laws(self.batch.laws(), material)?;
         }
         self.change_contacts(|world| {
             let mut touched = world.batch.set_material(id, material)?;

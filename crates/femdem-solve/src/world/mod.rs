@@ -27,7 +27,7 @@ use crate::body::{Body, Shape};
 use crate::guide::Guide;
 use crate::ledger::Flows;
 use crate::parameters::WorldParameters;
-use deformables::Deformables;
+use deformables::{Adaptives, Deformables};
 use femdem_contact::{ContactBatch, Motion};
 use femdem_mesh::Pose;
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,8 @@ use std::time::Duration;
 
 pub(crate) use deformables::CrackFlows;
 pub use deformables::{
-    ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, Fragmentation, ModelId,
+    Adaptive, ContactStiffness, CrackFacet, Cracks, Deformable, DeformableSpec, Fidelity,
+    FidelityChange, Fragmentation, ModelId,
 };
 pub use query::Residuals;
 pub use relax::{WorldRelaxation, WorldRelaxed};
@@ -112,6 +113,8 @@ pub struct World {
     flows: Flows,
     /// What a batch does not hold of deformable bodies; absent in a world of rigid ones.
     deformables: Option<Box<Deformables>>,
+    /// The bodies that are deformable near their strength only, if there are any.
+    adaptives: Option<Box<Adaptives>>,
     /// What a rank knows of the others; absent in a world that has all bodies.
     share: Option<Box<ranks::Share>>,
     #[serde(skip)]

@@ -60,6 +60,7 @@ impl World {
         if self.deformables().any(|body| body.cracks().is_some()) {
             return Err(apart());
         }
+        self.refuse_adaptive(None, "space that does not repeat itself", "a periodic cell")?;
         self.evaluate_if_due()?;
         self.wake_all();
         let before = self.stored_energy();

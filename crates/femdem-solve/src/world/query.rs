@@ -349,6 +349,7 @@ impl World {
             by_hand: self.flows.by_hand,
             load_work: self.flows.load_work,
             lent: self.flows.cracks.lent + self.flows.bonds.lent,
+            fidelity: self.flows.fidelity,
             kinetic: self.kinetic_energy(),
             potential: self
                 .free_bodies()

@@ -121,6 +121,7 @@ impl World {
         )?;
         self.not_shared("a relaxation")?;
         self.refuse_bonds("bonds in a relaxation")?;
+        self.refuse_adaptive(None, "steps of time", "a relaxation")?;
         self.cell().map_or(Ok(()), check_rests)?;
         let kept = self.parameters;
         let mut elastic = kept;

@@ -103,6 +103,9 @@ impl World {
         guide: Option<Guide>,
     ) -> Result<(), SolveError> {
         self.not_shared("driving bodies")?;
+        if guide.is_some() {
+            self.refuse_adaptive(Some(id), "to move freely", "a prescribed motion")?;
+        }
         let (i, time) = (self.known_body(id)?, self.time);
         self.restored()?;
         let gravity = self.parameters.gravity;

@@ -112,7 +112,7 @@ impl World {
         self.rest_deformables(halo)?;
         self.crack_deformables()?;
         self.retire_cracks();
-        Ok(())
+        self.adapt_bodies()
     }
 
     /// Books the energy that the step exchanged. Frozen bodies have none in motion; deformable ones have `deformable`, J.
@@ -261,7 +261,7 @@ impl World {
     }
 
     /// Contacts at the present positions. `dt` is the time since the last call.
-    fn touch(&mut self, dt: f64) -> Result<(), SolveError> {
+    pub(super) fn touch(&mut self, dt: f64) -> Result<(), SolveError> {
         // The contact stage gets the velocities of the half step.
         for &i in &self.awake {
             let body = &self.bodies[i as usize];

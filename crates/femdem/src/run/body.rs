@@ -25,13 +25,27 @@ pub enum Behaviour {
     Deformable,
     /// Strains, and cracks by the fracture of its material.
     Breakable,
+    /// Rigid far from its strength, breakable near it.
+    Adaptive,
 }
 
 impl Behaviour {
-    /// Whether it strains.
+    /// Whether it always strains.
     #[must_use]
     pub fn deforms(self) -> bool {
+        matches!(self, Self::Deformable | Self::Breakable)
+    }
+
+    /// Whether it has tetrahedra whatever its shape: it strains, at least at times.
+    #[must_use]
+    pub fn is_meshed(self) -> bool {
         self != Self::Rigid
+    }
+
+    /// Whether it may crack.
+    #[must_use]
+    pub fn breaks(self) -> bool {
+        matches!(self, Self::Breakable | Self::Adaptive)
     }
 }
 
@@ -187,6 +201,7 @@ impl BodyEntry {
     pub(super) fn refuse_strangers(&self) -> Result<(), Error> {
         self.refuse_by_behaviour()?;
         self.refuse_unbreakable()?;
+        self.refuse_unadaptive()?;
         self.refuse_by_source()?;
         self.refuse_beside_poses()?;
         let seeded = self.copies.as_ref().is_some_and(|c| c.seed.is_some());
@@ -215,6 +230,7 @@ impl BodyEntry {
 
     fn refuse_by_behaviour(&self) -> Result<(), Error> {
         let deforms = self.behaviour.deforms();
+        let is_meshed = self.behaviour.is_meshed();
         let of_deformable = [
             ("boundary", !self.boundary.is_empty()),
             ("region", !self.region.is_empty()),
@@ -225,7 +241,7 @@ impl BodyEntry {
             ("element", self.element != Element::default()),
         ];
         for (name, given) in of_deformable {
-            if given && !deforms {
+            if given && !is_meshed {
                 return Err(wrong(
                     name,
                     "given",

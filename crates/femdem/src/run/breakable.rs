@@ -4,7 +4,7 @@ use femdem_fem::element::Element;
 use femdem_solve::Fracture;
 
 use super::words::in_entry;
-use super::{Behaviour, BodyEntry, MaterialEntry, Scenario, Simulation};
+use super::{BodyEntry, MaterialEntry, Scenario, Simulation};
 use crate::Error;
 use crate::error::wrong;
 
@@ -24,7 +24,7 @@ pub struct FractureMesh {
 impl BodyEntry {
     /// Refuses elements that cannot break.
     pub(super) fn refuse_unbreakable(&self) -> Result<(), Error> {
-        if self.behaviour == Behaviour::Breakable && self.element != Element::T4 {
+        if self.behaviour.breaks() && self.element != Element::T4 {
             let allowed = "breakable bodies have linear elements: leave it out, or give \"t4\"";
             let value = format!("{:?}", self.element);
             return Err(wrong("element", &value, allowed));
@@ -48,7 +48,7 @@ impl MaterialEntry {
 impl Scenario {
     /// How a body breaks; `None` if it does not.
     pub(super) fn fracture_of(&self, body: &BodyEntry) -> Result<Option<Fracture>, Error> {
-        if body.behaviour != Behaviour::Breakable {
+        if !body.behaviour.breaks() {
             return Ok(None);
         }
         let fracture = self.material(&body.material)?.breaks();
@@ -59,21 +59,20 @@ impl Scenario {
     /// Whether a body may break.
     pub(super) fn has_breakable(&self) -> bool {
         let mut bodies = self.body.iter();
-        bodies.any(|body| body.behaviour == Behaviour::Breakable)
+        bodies.any(|body| body.behaviour.breaks())
     }
 
     /// Refuses the fracture of a material of which no breakable body is made.
     pub(super) fn refuse_idle_fracture(&self, name: &str) -> Result<(), Error> {
         let mut bodies = self.body.iter();
-        let breaks =
-            |body: &BodyEntry| body.behaviour == Behaviour::Breakable && body.material == name;
+        let breaks = |body: &BodyEntry| body.behaviour.breaks() && body.material == name;
         if self
             .material
             .get(name)
             .is_some_and(|m| m.fracture.is_some())
             && !bodies.any(breaks)
         {
-            let allowed = "no breakable body is made of the material: add behaviour = \"breakable\" to one, or take it out; \
+            let allowed = "no breakable body is made of the material: add behaviour = \"breakable\" or \"adaptive\" to one, or take it out; \
                            a body breaks by its own material, not by that of a region";
             return Err(wrong("fracture", "given", allowed));
         }

@@ -240,7 +240,7 @@ impl Scenario {
 
     /// Refuses sleep of deformable bodies if it has no effect.
     pub(super) fn check_sleep(&self, simulation: &Simulation) -> Result<(), Error> {
-        let possible = self.sleeping && simulation.world.deformable_count() > 0;
+        let possible = self.sleeping && simulation.has_deformable();
         if self.sleeping_deformables && !possible {
             return Err(wrong(
                 "sleeping-deformables",
@@ -285,8 +285,15 @@ impl Scenario {
         self.check_openings()
     }
 
+    /// Contact stiffness of a deformable body, κ h/E.
+    pub(super) fn contact_ratio(&self, entry: &BodyEntry) -> f64 {
+        let is_driven = self.motions().next().is_some() || self.controls().next().is_some();
+        let usual = if is_driven { PRESSED } else { 1.0 };
+        entry.contact_ratio.unwrap_or(usual)
+    }
+
     /// The law and density of a material.
-    fn region(&self, name: &str) -> Result<MaterialRegion, Error> {
+    pub(super) fn region(&self, name: &str) -> Result<MaterialRegion, Error> {
         let region = self.material(name)?.region();
         region.map_err(in_entry(format!("material.{name}")))
     }
@@ -357,6 +364,10 @@ impl Simulation {
             (Behaviour::Deformable | Behaviour::Breakable, Some(mesh)) => {
                 let factor = geometry.density_factor();
                 self.add_deformable(scenario, entry, name, (mesh, factor), &places)?
+            }
+            (Behaviour::Adaptive, Some(mesh)) => {
+                let factor = geometry.density_factor();
+                self.add_adaptive(scenario, entry, name, (mesh, factor), &places)?
             }
             _ => self.add_rigid(scenario, entry, name, geometry, &places)?,
         };
@@ -448,13 +459,8 @@ impl Simulation {
             condition.add_to(&mut boundary, &model, radius)?;
         }
         let supports = entry.supports(self.members.len(), &model, radius)?;
-        let is_driven = scenario.motions().next().is_some() || scenario.controls().next().is_some();
-        let usual = if is_driven { PRESSED } else { 1.0 };
-        let ratio = entry.contact_ratio.unwrap_or(usual);
-        if !(ratio > 0.0 && ratio.is_finite()) {
-            let allowed = "a positive, finite number: κ h/E";
-            return Err(wrong("contact-ratio", &ratio.to_string(), allowed));
-        }
+        let ratio = scenario.contact_ratio(entry);
+        check_ratio(ratio)?;
         let stiffness = ContactStiffness::Ratio(ratio);
         let fracture = scenario.fracture_of(entry)?;
         let model = self.world.add_model(name, model, stiffness)?;
@@ -498,6 +504,7 @@ impl Simulation {
             self.controls.step(&mut self.world)
         };
         stepped.map_err(|source| self.named(source))?;
+        self.note_fidelity();
         self.fragment_bodies()?;
         self.pass_gates()
     }
@@ -525,4 +532,13 @@ impl Simulation {
             .enumerate()
             .filter_map(|(i, member)| Some((i, member, self.world.deformable(member.id)?)))
     }
+}
+
+/// Refuses a contact stiffness that is none.
+pub(super) fn check_ratio(ratio: f64) -> Result<(), Error> {
+    if ratio > 0.0 && ratio.is_finite() {
+        return Ok(());
+    }
+    let allowed = "a positive, finite number: κ h/E";
+    Err(wrong("contact-ratio", &ratio.to_string(), allowed))
 }

@@ -86,6 +86,13 @@ impl Simulation {
                 }
             }
         }
+        for (_, member, _) in self.adaptive_rigid() {
+            let own = self.world.mass(member.id).unwrap_or(0.0);
+            summary.bodies += 1;
+            summary.fragments += 1;
+            mass += own;
+            largest = largest.max(own);
+        }
         summary.largest_share = largest / mass;
         (summary.bodies > 0).then_some(summary)
     }

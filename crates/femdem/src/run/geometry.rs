@@ -95,7 +95,7 @@ impl BodyEntry {
             let reading = (entry.unit, entry.repair);
             let sizes = (entry.block, entry.sides, entry.diameter, entry.size);
             let sized = entry.poses.is_some();
-            let meshing = (entry.mesh_size, entry.focus, entry.behaviour.deforms());
+            let meshing = (entry.mesh_size, entry.focus, entry.behaviour.is_meshed());
             (files, reading, sizes, sized, meshing)
         };
         key(self) == key(other)
@@ -107,7 +107,7 @@ impl BodyEntry {
             surface,
             file,
         } = self.surface(text)?;
-        let deforms = self.behaviour.deforms();
+        let deforms = self.behaviour.is_meshed();
         if let Some(size) = self.mesh_size
             && !deforms
             && surface.is_convex()

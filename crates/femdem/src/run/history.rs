@@ -15,7 +15,7 @@ use super::{NamedWall, Simulation};
 use crate::Error;
 
 /// Columns of `history.csv` before those of the walls and supports.
-pub const HISTORY_COLUMNS: [&str; 34] = [
+pub const HISTORY_COLUMNS: [&str; 36] = [
     "time",
     "step",
     "time_step",
@@ -39,6 +39,7 @@ pub const HISTORY_COLUMNS: [&str; 34] = [
     "work_in",
     "by_hand",
     "lent",
+    "fidelity",
     "energy_error",
     "px",
     "py",
@@ -50,6 +51,7 @@ pub const HISTORY_COLUMNS: [&str; 34] = [
     "fragments",
     "bonds_holding",
     "bonds_broken",
+    "deformable_share",
 ];
 
 /// Columns of `members.csv`.
@@ -167,6 +169,7 @@ pub(super) fn history_row(
         ledger.work_in + ledger.load_work,
         ledger.by_hand,
         ledger.lent,
+        ledger.fidelity,
         ledger.error(),
         p.x,
         p.y,
@@ -179,6 +182,7 @@ pub(super) fn history_row(
     row.push(contacts.to_string());
     row.push(simulation.piece_count().to_string());
     row.extend(simulation.bond_counts().map(|count| count.to_string()));
+    row.push(number(simulation.deformable_share()));
     row.extend(forces.walls.iter().flat_map(vector));
     row.extend(reactions.iter().flat_map(vector));
     row

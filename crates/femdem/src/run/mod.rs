@@ -34,6 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adaptive;
 mod body;
 mod bond_results;
 mod bonds;
@@ -49,6 +50,7 @@ mod course;
 mod cracks;
 mod ending;
 mod facts;
+mod fidelity;
 mod flow;
 mod focus;
 mod fracture;
@@ -102,6 +104,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+pub use adaptive::FIDELITY_COLUMNS;
 pub use body::{Behaviour, BodyEntry, Copies, FocusEntry};
 pub use bond_results::{BOND_COLUMNS, BondSummary};
 pub use bonds::BondEntry;
@@ -113,6 +116,7 @@ pub use control::{AxisEntry, Cell, CellState, ControlEntry, Controls, ShearEntry
 pub use course::Course;
 pub use cracks::FractureSummary;
 pub use ending::Ending;
+pub use fidelity::{FidelityRecord, FidelitySummary};
 pub use flow::{FLOW_COLUMNS, Flow, FlowSummary, GateEntry, SourceEntry};
 pub use fracture::{FractureEntry, WeibullEntry};
 pub use geometry::density_factor;

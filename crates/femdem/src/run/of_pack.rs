@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use femdem_contact::MaterialId;
+use femdem_contact::{MaterialId, WallResponse};
 use femdem_mesh::Vector3;
 use femdem_solve::{World, WorldParameters};
 
 use super::{
-    BodyLoads, ContactEntry, Controls, Flow, MaterialEntry, Member, NamedWall, Origin, Penalty,
-    Scenario, Simulation, WallEntry,
+    BodyLoads, ContactEntry, Controls, FidelityRecord, Flow, MaterialEntry, Member, NamedWall,
+    Origin, Penalty, Scenario, Simulation, WallEntry,
 };
 use crate::Error;
 use crate::error::wrong;
@@ -35,7 +35,10 @@ impl Scenario {
             damping: own.damping.or(Some(law.damping_ratio)),
             tangential_ratio: own.tangential_ratio.or(Some(law.tangential_ratio)),
             tangential_damping: own.tangential_damping.or(Some(law.tangential_damping)),
-            wall_response: own.wall_response.or(Some(law.wall_response)),
+            wall_response: own.wall_response.or(Some(match self.has_adaptive() {
+                true => WallResponse::Rigid,
+                false => law.wall_response,
+            })),
             cohesion: own.cohesion.or(Some(law.cohesion)),
             adhesion_energy: own.adhesion_energy.or(Some(law.adhesion_energy)),
             liquid_bridge: own.liquid_bridge.or(law.liquid_bridge.map(Into::into)),
@@ -230,6 +233,7 @@ impl Simulation {
             loads: BodyLoads::default(),
             penalty: Penalty::default(),
             origin: Origin::default(),
+            fidelity: FidelityRecord::default(),
             notes: Vec::new(),
             world,
         }

@@ -6,8 +6,9 @@ use femdem_pack::{penalty_under_adhesion, penalty_under_cohesion, penalty_under_
 
 use super::loads::{Loads, Placed, Tower};
 use super::meets::{Meets, Met};
-use super::{Penalty, Scenario, Simulation};
+use super::{Behaviour, BodyEntry, Penalty, Scenario, Simulation};
 use crate::Error;
+use crate::error::wrong;
 
 /// Wanted mean depth of the contacts at rest, in circumscribed diameters.
 const PENETRATION: f64 = 0.005;
@@ -63,7 +64,7 @@ impl Scenario {
     /// - the depth on a face or of a ball under attraction,
     /// - a tower of one or several bodies from buckling,
     ///
-    /// within `contact.penetration`, and at least 1 MPa where that is not given.
+    /// within `contact.penetration`, and at least 1 MPa where that is not given; and that gives adaptive bodies their contact ratios.
     ///
     /// # Errors
     ///
@@ -74,6 +75,18 @@ impl Scenario {
         loads: &Loads,
     ) -> Result<(), Error> {
         let asked = self.contact.penetration;
+        let has_ratio = |body: &BodyEntry| {
+            body.behaviour == Behaviour::Adaptive && body.contact_ratio.is_some()
+        };
+        if self.contact.penalty.is_some() && self.body.iter().any(has_ratio) {
+            let allowed =
+                "the penalty of the scene is that of adaptive bodies: give one of the two";
+            return Err(wrong(
+                "contact-ratio",
+                "given with contact.penalty",
+                allowed,
+            ));
+        }
         if let Some(value) = self.contact.penalty {
             if asked.is_some() {
                 return Err(Error::Option {
@@ -136,6 +149,9 @@ impl Scenario {
                     size(depth)
                 ),
             );
+        }
+        for (penalty, name) in simulation.adaptive_penalties(self) {
+            try_it(penalty, format!("{name} has its contact ratio"));
         }
         for body in &asking {
             for law in meets.laws(body.material).into_iter().filter(asks) {

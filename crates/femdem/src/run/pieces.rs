@@ -1,13 +1,13 @@
 //! The pieces of bodies that may break.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_analysis::{
     Fragment, FragmentExtent, FragmentSizes, Fragmentation, FragmentationOptions, fragmentation,
     measure_fragments,
 };
 use femdem_mesh::tet::FACES;
-use femdem_mesh::{Point3, Vector3};
+use femdem_mesh::{Point3, TetMesh, Vector3};
 use femdem_solve::{Cracks, Deformable};
 use femdem_view::FragmentRow;
 
@@ -54,13 +54,13 @@ impl Simulation {
 
     /// Whether there are bodies that may break.
     pub(super) fn has_breakable(&self) -> bool {
-        self.breakable_bodies().next().is_some()
+        self.has_adaptive() || self.breakable_bodies().next().is_some()
     }
 
     /// Number of the pieces of the bodies that may break.
     pub(super) fn piece_count(&self) -> usize {
         let bodies = self.breakable_bodies();
-        bodies.map(|body| body.piece_count()).sum()
+        bodies.map(|body| body.piece_count()).sum::<usize>() + self.adaptive_rigid().count()
     }
 
     /// The rows of `fragments.csv`, and the sizes of the pieces.
@@ -82,6 +82,22 @@ impl Simulation {
                 sphericity: size.sphericity,
                 centre: piece.centre.into(),
                 velocity: piece.velocity,
+            }));
+            all.fragments.extend(sizes.fragments);
+        }
+        for (number, member, mesh) in self.adaptive_rigid() {
+            let Some(whole) = self.intact(member, mesh) else {
+                continue;
+            };
+            let sizes = measure_fragments(&[whole.as_fragment()])?;
+            rows.extend(sizes.fragments.iter().map(|size| FragmentRow {
+                body: number as u32,
+                volume: size.volume,
+                mass: size.mass,
+                sieve_size: size.sieve_size(),
+                sphericity: size.sphericity,
+                centre: whole.centre.into(),
+                velocity: whole.velocity,
             }));
             all.fragments.extend(sizes.fragments);
         }
@@ -108,6 +124,10 @@ impl Simulation {
             *mass += all.mass;
             points.extend(body.hull_points(&all));
         }
+        for (number, member, mesh) in self.adaptive_rigid() {
+            let whole = self.intact(member, mesh);
+            wholes.extend(whole.map(|of| (number as u32, (of.volume, of.mass, of.points))));
+        }
         let wholes: Vec<Fragment> = wholes
             .values()
             .map(|(volume, mass, points)| Fragment {
@@ -126,6 +146,48 @@ impl Simulation {
             ..FragmentationOptions::default()
         };
         Ok(Some(fragmentation(&pieces, &options)?))
+    }
+}
+
+/// An adaptive body that is rigid.
+struct Intact {
+    volume: f64,
+    mass: f64,
+    area: f64,
+    /// The points of its skin, in its coordinates.
+    points: Vec<Point3>,
+    centre: Vector3,
+    velocity: Vector3,
+}
+
+impl Intact {
+    fn as_fragment(&self) -> Fragment<'_> {
+        Fragment {
+            volume: self.volume,
+            mass: self.mass,
+            area: Some(self.area),
+            extent: FragmentExtent::Points(&self.points),
+        }
+    }
+}
+
+impl Simulation {
+    fn intact(&self, member: &Member, mesh: &TetMesh) -> Option<Intact> {
+        let nodes = mesh.points();
+        let skin = mesh.skin();
+        let area = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|i| nodes[i as usize]);
+            0.5 * (b - a).cross(&(c - a)).norm()
+        };
+        let own: BTreeSet<u32> = skin.iter().flatten().copied().collect();
+        Some(Intact {
+            volume: mesh.volume(),
+            mass: self.world.mass(member.id)?,
+            area: skin.iter().map(area).sum(),
+            points: own.into_iter().map(|i| nodes[i as usize]).collect(),
+            centre: self.world.position(member.id)?,
+            velocity: self.world.velocity(member.id)?,
+        })
     }
 }
 

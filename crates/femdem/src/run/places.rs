@@ -73,7 +73,7 @@ impl BodyEntry {
                 "give the diameter or the size of the shape, or a column d in m",
             ),
             (
-                scaled && self.behaviour.deforms(),
+                scaled && self.behaviour.is_meshed(),
                 "with a column d or scale",
                 "deformable bodies of one [[body]] have one size: leave the column out",
             ),

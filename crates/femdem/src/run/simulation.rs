@@ -5,7 +5,7 @@ use femdem_solve::{SolveError, World};
 use serde::{Deserialize, Serialize};
 
 use super::origin::Origin;
-use super::{BodyLoads, Controls, Flow, Member};
+use super::{BodyLoads, Controls, FidelityRecord, Flow, Member};
 use crate::scene::ShapeNote;
 
 /// A wall of a simulation. It stays among the walls when it has been taken away.
@@ -41,6 +41,8 @@ pub struct Simulation {
     pub penalty: Penalty,
     /// What it has from a pack, and which walls its scene has added.
     pub origin: Origin,
+    /// What has become of its adaptive bodies.
+    pub fidelity: FidelityRecord,
     /// How surface files were read and bodies meshed, each once. Not stored: it belongs to making the simulation.
     #[serde(skip)]
     pub notes: Vec<ShapeNote>,
@@ -59,6 +61,7 @@ struct Stored {
     loads: BodyLoads,
     penalty: Penalty,
     origin: Origin,
+    fidelity: FidelityRecord,
 }
 
 impl TryFrom<Stored> for Simulation {
@@ -76,6 +79,7 @@ impl TryFrom<Stored> for Simulation {
             loads,
             penalty,
             origin,
+            fidelity,
         } = stored;
         world.restore()?;
         let none = |what, index, count| Err(SolveError::NoSuch { what, index, count });
@@ -110,6 +114,7 @@ impl TryFrom<Stored> for Simulation {
             loads,
             penalty,
             origin,
+            fidelity,
             notes: Vec::new(),
         })
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use femdem_contact::BodyId;
 use femdem_fem::Boundary;
 use femdem_mesh::tet::Split;
 use femdem_solve::{Deformable, World, WorldParameters};
@@ -121,8 +122,18 @@ impl Simulation {
         simulation.world.restart_ledger();
         Ok(Self {
             supports: self.supports,
+            fidelity: self.fidelity,
             ..simulation
         })
+    }
+
+    /// Number of the tetrahedra of a body that deforms, or may.
+    fn tets_of(&self, id: BodyId) -> usize {
+        if let Some(body) = self.world.deformable(id) {
+            return body.model().volumes().len();
+        }
+        let mesh = self.adaptive_mesh(id);
+        mesh.map_or(0, |mesh| mesh.tets().len())
     }
 
     /// Name of the first body or wall that is not the same in another simulation of equal entries: files can change.
@@ -131,8 +142,7 @@ impl Simulation {
         let sizes = |of: &Self| {
             let mut sizes = vec![Some((0.0, 0)); of.members.len()];
             for (number, member) in of.members.iter().enumerate() {
-                let body = of.world.deformable(member.id);
-                let tets = body.map_or(0, |body| body.model().volumes().len());
+                let tets = of.tets_of(member.id);
                 let size = &mut sizes[member.of.map_or(number, |first| first as usize)];
                 let both = size.zip(of.world.mass(member.id));
                 *size = both.map(|((mass, n), own)| (mass + own, n + tets));

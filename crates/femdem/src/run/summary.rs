@@ -8,8 +8,8 @@ use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    BondSummary, CellState, Ending, FlowSummary, FractureSummary, Penalty, Reached, RelaxSummary,
-    RestSummary, Run, Side,
+    BondSummary, CellState, Ending, FidelitySummary, FlowSummary, FractureSummary, Penalty,
+    Reached, RelaxSummary, RestSummary, Run, Side,
 };
 use crate::{Error, Usage};
 
@@ -67,6 +67,8 @@ pub struct RunSummary {
     pub strain: Option<StrainSummary>,
     /// The breakable bodies now; `null` without any.
     pub fracture: Option<FractureSummary>,
+    /// The adaptive bodies; `null` without any.
+    pub fidelity: Option<FidelitySummary>,
     /// The bonds now; `null` without any.
     pub bonds: Option<BondSummary>,
     /// Contacts now.
@@ -163,6 +165,8 @@ pub struct RunEnergy {
     pub by_hand: f64,
     /// Lent to cracks at their births.
     pub lent: f64,
+    /// Given to adaptive bodies when they became deformable, less what was taken when they became rigid.
+    pub fidelity: f64,
     /// Kinetic energy.
     pub kinetic: f64,
     /// Potential energy in gravity.
@@ -284,6 +288,7 @@ impl RunSummary {
             momentum: (world.linear_momentum() + Vector3::zeros()).into(),
             strain: strain(run)?,
             fracture: simulation.fracture_summary(),
+            fidelity: simulation.fidelity_summary(),
             bonds: simulation.bond_summary(),
             contacts: contacts.len(),
             threads: usage.threads,
@@ -360,6 +365,7 @@ fn energy(ledger: &femdem_solve::Ledger) -> RunEnergy {
         contact: plain(ledger.elastic),
         friction_springs: plain(ledger.friction_springs),
         lent: plain(ledger.lent),
+        fidelity: plain(ledger.fidelity),
         cracks: plain(ledger.cracks),
         bonds: plain(ledger.bonds),
         dissipated_friction: plain(ledger.dissipated_friction),

@@ -69,16 +69,16 @@ pub(super) fn of_bodies(snapshot: &Snapshot) -> Result<Vec<Loads<'_>>, Error> {
             let way = snapshot
                 .space
                 .map_or(way, |space| space.cell.shortest(&way));
-            let back = body.pose.inverse();
             let own = &mut loads[i as usize];
             own.sides.push(side);
-            own.patches.push(PatchLoad {
-                point: back * (centre + way),
-                normal: back * (row.normal * sign),
+            let patch = PatchLoad {
+                point: centre + way,
+                normal: row.normal * sign,
                 area: row.area,
-                force: back * (on_partner * sign),
-                moment: back * (row.moment * sign),
-            });
+                force: on_partner * sign,
+                moment: row.moment * sign,
+            };
+            own.patches.push(patch.seen_from(&body.pose));
         };
         match &row.partner {
             Partner::Body(other) => {

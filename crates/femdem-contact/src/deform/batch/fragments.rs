@@ -6,7 +6,7 @@ use super::pair::SoftPair;
 use super::reshape::Renumbering;
 use crate::contact::BodyId;
 use crate::deform::bristle::{Anchor, Bristle};
-use crate::deform::shape::{DeformableShape, Modulus};
+use crate::deform::shape::DeformableShape;
 use crate::deform::side::Side;
 use crate::error::ContactError;
 use std::collections::BTreeMap;
@@ -54,7 +54,7 @@ impl DeformablePart {
         let whole = &self.bodies[body as usize];
         let (index, touches_itself) = (whole.shape, whole.bend.is_some());
         let old = Arc::clone(&self.shapes[index as usize]);
-        let modulus = Modulus::Foundation(whole.modulus.penalty(old.inradius()) / old.inradius());
+        let modulus = whole.modulus.kept(old.inradius());
         // By tetrahedron of the whole, its part and its number there.
         let mut places = vec![None; old.wholes().len()];
         for (part, own) in parts.iter().enumerate() {

@@ -19,12 +19,11 @@ mod sleep;
 mod state;
 mod touching;
 
-use super::pair::FrictionStart;
 use super::record::{DeformableTotals, NodalLoads, NodalState};
 use super::scratch::Scratches;
 use super::shape::{DeformableShape, Modulus};
 use super::side::Side;
-use crate::contact::{BodyId, Load};
+use crate::contact::{BodyId, Load, Partner};
 use crate::error::ContactError;
 use crate::general::FieldMesh;
 use crate::generalized::Resistance;
@@ -32,6 +31,7 @@ use crate::materials::Materials;
 use crate::motion::Motion;
 use crate::periodic::{EdgeLoad, Space};
 use crate::record::Contact;
+use crate::spring_load::{Part, SpringLoad};
 use crate::walls::WallShape;
 use bend::Bend;
 pub(crate) use body::SoftBody;
@@ -78,7 +78,7 @@ pub(crate) struct DeformablePart {
     /// Whether a wall has moved away since then.
     walls_moved: bool,
     /// Initial friction of pairs, applied in the next update.
-    starts: BTreeMap<(Side, BodyId), FrictionStart>,
+    starts: BTreeMap<(Side, BodyId), SpringLoad>,
     rigid_loads: Vec<Load>,
     rigid_resistances: Vec<Resistance>,
     wall_loads: Vec<Load>,
@@ -105,6 +105,11 @@ impl DeformablePart {
     pub fn add_shape(&mut self, shape: Arc<DeformableShape>) -> u32 {
         self.shapes.push(shape);
         self.shapes.len() as u32 - 1
+    }
+
+    /// Replaces a shape of no body.
+    pub fn replace_shape(&mut self, index: u32, shape: Arc<DeformableShape>) {
+        self.shapes[index as usize] = shape;
     }
 
     /// Adds a deformable body under a number that is free in the batch.
@@ -295,8 +300,8 @@ impl DeformablePart {
     }
 
     /// Starts a pair with the friction of a contact that was computed elsewhere: see
-    /// [`ContactBatch::begin_friction`](crate::ContactBatch::begin_friction).
-    pub fn begin_friction(&mut self, a: Side, b: BodyId, start: FrictionStart) {
+    /// [`ContactBatch::begin_springs`](crate::ContactBatch::begin_springs).
+    pub fn begin_friction(&mut self, a: Side, b: BodyId, start: SpringLoad) {
         if let Some(body) = self.bodies.get_mut(b as usize) {
             body.sleep.stir();
             self.starts.insert((a, b), start);
@@ -416,6 +421,24 @@ impl DeformablePart {
     /// The contacts, sorted by pair and patch.
     pub fn contacts(&self) -> impl Iterator<Item = &Contact> {
         self.pairs.list().iter().flat_map(|p| &p.outcome.contacts)
+    }
+
+    /// The springs of the patches of a body's contacts with others.
+    pub fn springs_of(&self, body: BodyId) -> impl Iterator<Item = ((Partner, BodyId), Part)> {
+        let thing = Partner::Body(body);
+        let pairs = self.pairs.list().iter();
+        let patches =
+            pairs.flat_map(|pair| pair.outcome.contacts.iter().zip(&pair.outcome.springs));
+        let own = patches.filter(move |(contact, _)| (contact.a == thing) != (contact.b == body));
+        own.map(|(contact, load)| {
+            let part = Part {
+                load: *load,
+                point: contact.point,
+                normal: contact.normal,
+                normal_force: contact.normal_force,
+            };
+            ((contact.a, contact.b), part)
+        })
     }
 
     /// Sums of the last update.

@@ -2,9 +2,9 @@
 
 use crate::deform::near::Candidates;
 use crate::deform::outcome::Outcome;
-use crate::deform::pair::FrictionStart;
 use crate::deform::record::DeformableTotals;
 use crate::deform::side::Side;
+use crate::spring_load::SpringLoad;
 use crate::walls::LocalSolid;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -30,7 +30,7 @@ pub(crate) struct SoftPair {
     pub failure: Option<(u32, u32)>,
     pub counts: [u32; 2],
     /// Initial friction of its springs.
-    pub begins: Option<FrictionStart>,
+    pub begins: Option<SpringLoad>,
 }
 
 impl SoftPair {

@@ -5,7 +5,7 @@ use super::body::SoftBody;
 use crate::contact::BodyId;
 use crate::deform::bristle::{Anchor, Bristle};
 use crate::deform::near::Candidates;
-use crate::deform::shape::{DeformableShape, Modulus};
+use crate::deform::shape::DeformableShape;
 use crate::deform::side::Side;
 use std::sync::Arc;
 
@@ -29,8 +29,7 @@ impl DeformablePart {
         let of_body = &mut self.bodies[body as usize];
         of_body.shape = index;
         // The pressure at a depth stays, though the depth of the field may not.
-        let stiffness = of_body.modulus.penalty(old.inradius()) / old.inradius();
-        of_body.modulus = Modulus::Foundation(stiffness);
+        of_body.modulus = of_body.modulus.kept(old.inradius());
         of_body.sleep.stir();
         if Arc::ptr_eq(&old, &new) {
             return;

@@ -11,6 +11,7 @@ use crate::world::periodic::apart;
 use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::DeformableShape;
+use femdem_contact::deform::Modulus;
 use femdem_contact::{BodyId, ContactBatch, Field, Frame, Motion, Partner};
 use femdem_fem::material::{Deformation, Material};
 use femdem_fem::{Boundary, DeformableModel};
@@ -160,7 +161,11 @@ impl World {
 }
 
 impl State {
-    fn new(spec: &DeformableSpec, model: &DeformableModel, time: f64) -> Result<Self, SolveError> {
+    pub(super) fn new(
+        spec: &DeformableSpec,
+        model: &DeformableModel,
+        time: f64,
+    ) -> Result<Self, SolveError> {
         check_velocities(&spec.velocity, &spec.angular_velocity)?;
         let pose = checked_pose(&spec.pose)?;
         let place = |x: &Vector3| pose.rotation * x + pose.translation.vector;
@@ -265,7 +270,16 @@ impl Deformables {
         let shape = &batch.deformable_shapes()[body.model as usize];
         let model = &self.models[body.model as usize];
         let material = batch.material(id).unwrap_or_default();
-        let modulus = model.modulus(shape, batch.laws(), material);
+        let modulus = match (
+            model.modulus(shape, batch.laws(), material),
+            batch.modulus(id),
+        ) {
+            // The pressure over depth of a body that has cracked stays.
+            (Modulus::Penalty(penalty), Some(Modulus::Kept { length, .. })) => {
+                Modulus::Kept { penalty, length }
+            }
+            (modulus, _) => modulus,
+        };
         body.contact_step = model.contact_step(shape, modulus);
         Ok(batch.set_modulus(id, modulus)?)
     }

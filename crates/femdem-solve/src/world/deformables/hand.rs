@@ -110,6 +110,13 @@ impl World {
         self.known_deformable(id)?;
         self.restored()?;
         self.not_shared("changing contacts of bodies with themselves")?;
+        if !on {
+            self.refuse_adaptive(
+                Some(id),
+                "to touch itself once it has cracked",
+                "no such contacts",
+            )?;
+        }
         if self.batch.self_contact(id) == on {
             return Ok(());
         }
@@ -167,7 +174,7 @@ impl State {
     }
 
     /// Takes over nodal values.
-    fn put(
+    pub(super) fn put(
         &mut self,
         model: &Model,
         positions: &[Vector3],

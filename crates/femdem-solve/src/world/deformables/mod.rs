@@ -1,5 +1,6 @@
 //! The deformable bodies of a world: their state, their half of the step, and their contacts.
 
+mod adaptive;
 mod add;
 mod each;
 mod fracture;
@@ -24,6 +25,9 @@ pub(crate) use fracture::CrackFlows;
 use nodal_bound::NodalBound;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use adaptive::Adaptives;
+pub(super) use adaptive::check_laws;
+pub use adaptive::{Adaptive, Fidelity, FidelityChange};
 pub(super) use add::centroid;
 pub use fracture::{CrackFacet, Cracks, Fragmentation};
 pub use query::Deformable;

@@ -246,6 +246,9 @@ impl World {
     pub fn set_boundary(&mut self, id: BodyId, boundary: Boundary) -> Result<(), SolveError> {
         self.known_deformable(id)?;
         self.not_shared("changing conditions of bodies")?;
+        if boundary != Boundary::default() {
+            self.refuse_adaptive(Some(id), "nodes that are free", "conditions on nodes")?;
+        }
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };

@@ -182,7 +182,7 @@ impl Deformables {
 
 impl State {
     /// What the contact stage sees.
-    fn nodes(&self) -> NodalState<'_> {
+    pub(super) fn nodes(&self) -> NodalState<'_> {
         NodalState {
             positions: &self.positions,
             velocities: &self.velocities,

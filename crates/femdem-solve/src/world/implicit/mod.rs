@@ -71,6 +71,7 @@ impl World {
             "0: implicit steps are for rigid bodies",
         )?;
         self.refuse_bonds("bonds with time_step.implicit")?;
+        self.refuse_adaptive(None, "explicit steps", "implicit steps")?;
         self.cell().map_or(Ok(()), check_rests)?;
         self.deal_to_first(halo)?;
         self.meet_newcomers()?;

@@ -249,6 +249,10 @@ impl World {
             ("bodies that a host moves", by_host),
             ("bonds", self.batch.bonds().next().is_some()),
             ("breakable bodies", breakable),
+            (
+                "bodies that are deformable near their strength only",
+                self.adaptive_bodies().next().is_some(),
+            ),
             ("friction that begins", self.batch.begins_friction()),
         ] {
             if is_there {

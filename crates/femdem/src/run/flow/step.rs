@@ -14,7 +14,9 @@ impl Simulation {
     /// Whether there are, were or will be rigid bodies.
     pub(in crate::run) fn has_rigid(&self) -> bool {
         // Deformable bodies stay.
-        self.members.len() > self.world.deformable_count() || !self.flow.supplies.is_empty()
+        self.has_adaptive()
+            || self.members.len() > self.world.deformable_count()
+            || !self.flow.supplies.is_empty()
     }
 
     /// Takes away the walls whose time has come.
@@ -39,7 +41,7 @@ impl Simulation {
         for k in 0..self.flow.gates.len() {
             for number in 0..self.members.len() {
                 let id = self.members[number].id;
-                // Bodies that have left, and those that move as prescribed, pass nothing; deformable ones stay.
+                // Bodies that have left, and those that move as prescribed, pass nothing; deformable and adaptive ones stay.
                 let (Some(x), Some(mass)) = (self.world.position(id), self.world.mass(id)) else {
                     continue;
                 };
@@ -49,7 +51,8 @@ impl Simulation {
                 let gate = &mut self.flow.gates[k];
                 let is_beyond = gate.is_beyond(&x);
                 if gate.takes {
-                    if is_beyond && self.world.follows_drive(id).is_some() {
+                    let stays = self.world.is_adaptive(id);
+                    if is_beyond && !stays && self.world.follows_drive(id).is_some() {
                         gate.passed.add(1, mass, time);
                         self.world.remove_body(id)?;
                         self.members[number].id = Member::GONE;

@@ -52,6 +52,10 @@ impl Run {
         self.flush(folder)?;
         self.write_picture(&folder.join("run.png"))?;
         self.write_fracture(folder)?;
+        if self.simulation.has_adaptive() {
+            let path = folder.join("fidelity.csv");
+            write_file(path, |w| self.simulation.write_fidelity(w))?;
+        }
         if self.simulation.has_bonds() {
             write_file(folder.join("bonds.csv"), |w| self.simulation.write_bonds(w))?;
         }
@@ -154,7 +158,7 @@ impl Run {
         })?;
         let number = self.frames.len();
         let simulation = &self.simulation;
-        if simulation.world.deformable_count() > 0 {
+        if simulation.has_deformable() {
             let path = frames.join(file_name(DEFORMABLE, number));
             write_file(path, |w| simulation.write_deformables(w))?;
         }
@@ -222,9 +226,8 @@ impl Run {
 
     /// `run.pvd`, `contacts.pvd`, `walls.pvd` and, where bodies may break or are bonded, `cracks.pvd` and `bonds.pvd`.
     fn write_lists(&self, folder: &Path) -> Result<(), Error> {
-        let world = &self.simulation.world;
         let kinds = [
-            (world.deformable_count() > 0, DEFORMABLE),
+            (self.simulation.has_deformable(), DEFORMABLE),
             (self.simulation.has_rigid(), RIGID),
         ];
         let given = || kinds.iter().filter(|(given, _)| *given);

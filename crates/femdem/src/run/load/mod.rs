@@ -169,17 +169,17 @@ impl OnBodies {
             return Ok(None);
         };
         let rigid = world.shape_of(id).and_then(|shape| world.shape(shape));
+        let is_plain = matches!(self.kind, Kind::Force | Kind::Acceleration)
+            && self.point.is_none()
+            && self.axes == Axes::World;
+        if !is_plain && (rigid.is_none() || world.is_adaptive(id)) {
+            return Err(wrong(
+                "load",
+                "a torque, force-density, point or body axes for a deformable or adaptive body",
+                "a force or an acceleration in world axes; give others by the boundary of a deformable one",
+            ));
+        }
         let Some(shape) = rigid else {
-            let is_plain = matches!(self.kind, Kind::Force | Kind::Acceleration)
-                && self.point.is_none()
-                && self.axes == Axes::World;
-            if !is_plain {
-                return Err(wrong(
-                    "load",
-                    "a torque, force-density, point or body axes for a deformable body",
-                    "a force or an acceleration in world axes; give others by its boundary",
-                ));
-            }
             let scale = if self.kind == Kind::Force {
                 share
             } else {

@@ -57,6 +57,8 @@ impl World {
             let cracked = look.map_err(|error| error.in_body(i, steps, time))?;
             if let Some(cracked) = cracked {
                 any = true;
+                // It is breakable from now on, as its fragments will be.
+                self.forget_adaptive(i as BodyId);
                 self.crack(i as BodyId, cracked)?;
             }
         }

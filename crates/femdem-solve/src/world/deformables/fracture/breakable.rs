@@ -10,7 +10,7 @@ use femdem_fem::fracture::{Decision, NodalDecision, Strength};
 use femdem_fem::material::{Deformation, Material};
 use femdem_fem::{DeformableModel, ElementStress, MaterialRegion};
 use femdem_mesh::tet::{CrackedMesh, Facets};
-use femdem_mesh::{Matrix3, Vector3};
+use femdem_mesh::{Matrix3, TetMesh, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Strains this far below the smallest that is harmful are harmless: bounds of stress are those of small strain, and of a few
@@ -42,10 +42,7 @@ impl Breakable {
     /// A body of number `id`, by which the scatter of its strength is drawn.
     pub fn new(model: &Model, fracture: Fracture, id: BodyId) -> Self {
         let mesh = model.model.mesh();
-        let factors = match fracture.scatter {
-            None => vec![1.0; mesh.points().len()],
-            Some(scatter) => scatter.factors(u64::from(id), mesh),
-        };
+        let factors = Self::factors(mesh, &fracture, id);
         let weakest = factors.iter().copied().fold(f64::INFINITY, f64::min);
         Self {
             harmless: MARGIN * 2.0 * weakest * least(&fracture.strength) / model.stiffest(),
@@ -56,6 +53,14 @@ impl Breakable {
             spent: Vec::new(),
             cracks: None,
             whole: None,
+        }
+    }
+
+    /// By node, the factor of the strength of a body of number `id`.
+    pub fn factors(mesh: &TetMesh, fracture: &Fracture, id: BodyId) -> Vec<f64> {
+        match fracture.scatter {
+            None => vec![1.0; mesh.points().len()],
+            Some(scatter) => scatter.factors(u64::from(id), mesh),
         }
     }
 
@@ -112,6 +117,20 @@ impl Model {
         &self,
         fracture: &Fracture,
     ) -> Result<(), SolveError> {
+        if !matches!(self.stiffness, ContactStiffness::Ratio(_)) {
+            return Err(SolveError::CannotBreak {
+                needs: "a contact stiffness over depth (ratio)",
+                found: format!("{:?}", self.stiffness),
+            });
+        }
+        self.may_crack(fracture)
+    }
+
+    /// The same, whatever its contact stiffness: that over depth stays once it has cracked.
+    pub(in crate::world::deformables) fn may_crack(
+        &self,
+        fracture: &Fracture,
+    ) -> Result<(), SolveError> {
         fracture.validate()?;
         let refused =
             |needs: &'static str, found: String| Err(SolveError::CannotBreak { needs, found });
@@ -123,12 +142,6 @@ impl Model {
         }
         if self.field != Field::Body {
             return refused("the contact field of a body", format!("{:?}", self.field));
-        }
-        if !matches!(self.stiffness, ContactStiffness::Ratio(_)) {
-            return refused(
-                "a contact stiffness over depth (ratio)",
-                format!("{:?}", self.stiffness),
-            );
         }
         let (height, edge) = self.sizes();
         let largest = fracture.largest_height(self.young);
