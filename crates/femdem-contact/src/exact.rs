@@ -25,7 +25,7 @@ const TERMS: u32 = 1 << 30;
 /// assert_eq!(sum.value(), 1.0);
 /// assert_eq!(sum, terms.into_iter().rev().collect());
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct ExactSum {
     /// Digits to the base 2^32, the least first; the last has the sign.
     limbs: [i64; LIMBS],
@@ -143,6 +143,15 @@ impl ExactSum {
     }
 }
 
+/// Of the values, whatever the terms.
+impl PartialEq for ExactSum {
+    fn eq(&self, other: &Self) -> bool {
+        self.clone().words() == other.clone().words()
+    }
+}
+
+impl Eq for ExactSum {}
+
 impl Extend<f64> for ExactSum {
     fn extend<T: IntoIterator<Item = f64>>(&mut self, terms: T) {
         for term in terms {
@@ -206,6 +215,15 @@ mod tests {
             ExactSum::from_iter([-one, -half, -1e-200]).value(),
             -one - f64::EPSILON
         );
+    }
+
+    #[test]
+    fn equal_sums_are_equal_whatever_their_terms() {
+        let mut sum = ExactSum::default();
+        sum.extend([1.0, -1.0]);
+        assert_eq!(sum, ExactSum::default());
+        sum.add(0.5);
+        assert_ne!(sum, ExactSum::default());
     }
 
     proptest! {

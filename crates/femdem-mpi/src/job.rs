@@ -76,8 +76,8 @@ impl Job {
         let last = steps.map_or(u64::MAX, |steps| so_far.saturating_add(steps));
         let mut due = self.next_due(halo)?;
         let mut ended = false;
-        // Whether the first rank has seen the last step.
-        let mut seen = true;
+        // Whether the first rank has seen the last step: it has given its bodies away.
+        let mut seen = false;
         while !ended && self.part.world().steps() < last {
             let may_end = self.part.step(halo)?;
             let time = self.part.world().time();

@@ -116,7 +116,13 @@ fn work(cli: Cli, halo: &mut MpiHalo) -> Result<()> {
         }
         Task::Resume { folder, options } => {
             let every = options.take()?;
-            if folder.join(PACK_CHECKPOINT).is_file() {
+            // The first rank looks: the others need not see the folder of a run.
+            let mut packs = [0];
+            if halo.rank() == 0 {
+                packs = [u64::from(folder.join(PACK_CHECKPOINT).is_file())];
+            }
+            halo.sum(&mut packs)?;
+            if packs[0] > 0 {
                 return Pack::resume(&folder, halo)?.go_on(every, options.steps, halo);
             }
             Job::resume(&folder, halo)?.go_on(every, options.steps, halo)

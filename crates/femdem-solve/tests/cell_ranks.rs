@@ -4,18 +4,21 @@
 
 use crate::common::ranks::Threads;
 use crate::common::{D, DENSITY, noise, pose, solid, turned, weightless};
-use crate::ranks::as_alone;
+use crate::ranks::{as_alone, goes_on_from_the_first};
 use femdem_contact::{Partner, PeriodicCell, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::material::{AnyMaterial, NeoHookean};
 use femdem_fem::{DeformableModel, Driven, MaterialRegion};
 use femdem_mesh::{Matrix3, TetMesh, Vector3};
 use femdem_solve::{
-    Alone, BodySpec, ContactStiffness, DeformableSpec, Drive, Halo, Servo, SolveError, World,
-    WorldParameters,
+    Alone, AppliedLoad, BodySpec, ContactStiffness, DeformableSpec, Drive, Halo, Servo, SolveError,
+    World, WorldParameters,
 };
 
 const SIDES: [f64; 3] = [7.2 * D, 4.4 * D, 4.4 * D];
+
+/// Which grains are soft, one of them two cells away.
+const FAR: [(u32, f64); 2] = [(20, 0.0), (61, 2.0 * SIDES[1])];
 
 /// Grains of three shapes in a cell, numbered at random, some of them cells away, that fly about.
 fn grains(parameters: WorldParameters) -> World {
@@ -45,8 +48,8 @@ fn grains(parameters: WorldParameters) -> World {
     world
 }
 
-/// Two soft cubes among stones.
-fn with_soft_cubes(mut world: World) -> World {
+/// Two soft cubes in place of stones, the second as far away.
+fn with_soft_cubes(mut world: World, places: [(u32, f64); 2]) -> World {
     let mesh = TetMesh::block([2; 3], &Vector3::repeat(0.6 * D)).unwrap();
     let points = mesh.points().iter();
     let points = points.map(|p| p - Vector3::repeat(0.3 * D)).collect();
@@ -60,11 +63,11 @@ fn with_soft_cubes(mut world: World) -> World {
     let model = world
         .add_model("cube", model, ContactStiffness::default())
         .unwrap();
-    for (id, shift) in [(20, 0.0), (61, 2.0)] {
+    for (id, shift) in places {
         let x = world.position(id).unwrap();
         let velocity = world.velocity(id).unwrap();
         world.remove_body(id).unwrap();
-        let place = x + Vector3::new(0.0, shift * SIDES[1], 0.0);
+        let place = x + Vector3::new(0.0, shift, 0.0);
         let mut spec = DeformableSpec::at_rest(model, pose(place, turned(id.into())));
         spec.velocity = velocity;
         world.add_deformable(spec).unwrap();
@@ -106,6 +109,8 @@ fn grains_in_a_cell_that_is_sheared_have_the_same_bits() {
     world.deform_cell(rates()).unwrap();
     let alone = stepped(&world, 4000);
     assert!(alone.time() > 0.1, "{}", alone.time());
+    // In motion, with forces over the edges, which do work in the next half step.
+    goes_on_from_the_first(&alone, 100);
     for size in [2, 3, 4] {
         as_alone(&alone, &world, size, 4000);
     }
@@ -115,7 +120,7 @@ fn grains_in_a_cell_that_is_sheared_have_the_same_bits() {
 fn soft_bodies_in_a_cell_that_is_sheared_have_the_same_bits() {
     let mut parameters = weightless(1e6, 0.5, 0.5);
     parameters.medium.drag = 2.0;
-    let mut world = with_soft_cubes(grains(parameters));
+    let mut world = with_soft_cubes(grains(parameters), FAR);
     world.deform_cell(rates()).unwrap();
     let alone = stepped(&world, 1500);
     for size in [2, 4] {
@@ -148,7 +153,7 @@ fn follow(world: &mut World, halo: &mut dyn Halo, steps: u32) -> Result<f64, Sol
 
 #[test]
 fn a_cell_that_follows_a_stress_has_the_same_bits() {
-    let world = with_soft_cubes(grains(weightless(1e6, 0.5, 0.5)));
+    let world = with_soft_cubes(grains(weightless(1e6, 0.5, 0.5)), FAR);
     let mut alone = world.clone();
     let stress = follow(&mut alone, &mut Alone, 1500).unwrap();
     assert!(stress > 0.0);
@@ -195,7 +200,8 @@ fn pressed() -> (World, u32) {
         let spec = BodySpec::at_rest(shape, DENSITY, pose(Vector3::from(grid), turned(i)));
         world.add_body(spec).unwrap();
     }
-    (world, lid)
+    // In the uppermost layer.
+    (with_soft_cubes(world, [(12, 0.0), (23, 0.0)]), lid)
 }
 
 fn press(
@@ -206,7 +212,11 @@ fn press(
 ) -> Result<[f64; 2], SolveError> {
     let (mut servo, mut moved) = (Servo::new(0.5)?, 0.0);
     let mut force = 0.0;
-    for _ in 0..steps {
+    for step in 0..steps {
+        // A stone and a soft cube, which are pushed to and fro.
+        let push = Vector3::x() * if step < steps / 2 { 0.2 } else { -0.1 };
+        let load = AppliedLoad::at_point(push, Vector3::zeros());
+        world.set_loads_on(&[(5, load), (12, load)], halo)?;
         let met = world.resistances(&[(lid, -Vector3::z())], halo)?[0];
         force = met.force;
         let velocity = servo.velocity(&met, 40.0, world.time_step());

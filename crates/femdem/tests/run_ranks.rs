@@ -165,7 +165,7 @@ fn what_ranks_cannot_do_is_said() {
         "{STONES}\n[[source]]\nname = \"more\"\nshape = \"cube\"\nsize = 0.02\nmaterial = \"stone\"\nlower = [0.1, 0.05, 0.2]\nupper = [0.2, 0.1, 0.3]\nrate = 10\nnumber = 5"
     );
     let relaxed = format!("relax = {{ tolerance = 1e-3 }}\n{STONES}");
-    for (text, expected) in [(fed, "source"), (relaxed, "relax")] {
+    for (text, expected) in [(fed, "source"), (relaxed.clone(), "relax")] {
         let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
         let refused = Part::share_out(Some(&mut run), &mut Alone).err().unwrap();
         let refused = refused.to_string();
@@ -174,6 +174,16 @@ fn what_ranks_cannot_do_is_said() {
             "{refused}"
         );
     }
+    // The run stays whole, and the others are told.
+    let errors = Threads::each(2, |halo| {
+        let new = || Run::new(Scenario::from_toml(&relaxed).unwrap()).unwrap();
+        let mut run = (halo.rank() == 0).then(new);
+        let refused = Part::share_out(run.as_mut(), halo).err().unwrap();
+        let world = run.as_ref().map(|run| &run.simulation().world);
+        assert!(world.is_none_or(|world| world.body_count() == 28));
+        refused.to_string()
+    });
+    assert!(errors[0].contains("relax") && errors[1].contains("the first rank gives"));
     let none = Part::share_out(None, &mut Alone).err().unwrap().to_string();
     assert!(none.contains("the first rank gives"), "{none}");
 }

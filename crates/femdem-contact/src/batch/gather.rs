@@ -31,9 +31,9 @@ impl Sums {
 
     /// Adds a pair. One whose B belongs to another batch is on the books there.
     pub fn add(&mut self, awake: &[bool], guests: &[bool], pair: &Pair) {
-        let is_booked = !guests.get(pair.b as usize).is_some_and(|guest| *guest);
-        if is_booked {
+        if !guests.get(pair.b as usize).is_some_and(|guest| *guest) {
             self.book(pair);
+            self.add_pair_to_edges(pair);
         }
         for contact in pair.contacts() {
             match contact.a {
@@ -46,9 +46,6 @@ impl Sums {
             }
             if awake[contact.b as usize] {
                 self.loads[contact.b as usize].add(contact, 1);
-            }
-            if is_booked && pair.image != [0; 3] {
-                self.add_to_edges(contact, pair.image);
             }
         }
     }
@@ -65,7 +62,15 @@ impl Sums {
         }
     }
 
-    /// Adds a contact with an image to the edges between.
+    /// Adds the contacts of a pair with an image to the edges between.
+    pub fn add_pair_to_edges(&mut self, pair: &Pair) {
+        if pair.image != [0; 3] {
+            for contact in pair.contacts() {
+                self.add_to_edges(contact, pair.image);
+            }
+        }
+    }
+
     fn add_to_edges(&mut self, contact: &RigidContact, image: [i32; 3]) {
         let mut on_a = Load::default();
         on_a.add(contact, 0);

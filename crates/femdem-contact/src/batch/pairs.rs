@@ -520,12 +520,16 @@ impl PairTable {
     }
 
     pub fn contacts(&self) -> Vec<&RigidContact> {
-        let mut all: Vec<&RigidContact> = Vec::new();
-        for (i, list) in self.neighbours.iter().enumerate() {
-            let own = list.iter().filter(|n| n.code > i as u32);
-            all.extend(own.flat_map(|n| self.slot(n.slot).contacts()));
-        }
-        all
+        self.all().flat_map(Pair::contacts).collect()
+    }
+
+    /// All pairs, sorted by A and B: those with walls come last of a body.
+    pub fn all(&self) -> impl Iterator<Item = &Pair> {
+        let lists = (0..).zip(&self.neighbours);
+        lists.flat_map(|(i, list)| {
+            let own = list.iter().filter(move |n| n.code > i);
+            own.map(|n| self.slot(n.slot))
+        })
     }
 
     /// The pairs that a body is in.

@@ -238,6 +238,7 @@ impl ContactBatch {
         }
         self.pairs.give(kinds, guests, rigid);
         self.sum_wall_loads();
+        self.sum_edges();
         if let Some(part) = &mut self.deformable {
             part.give(soft_bodies, sleeps, soft);
         }
@@ -265,6 +266,22 @@ impl ContactBatch {
                     self.sums.walls[wall as usize].add(contact, 0);
                 }
             }
+        }
+    }
+
+    /// The forces over the edges anew, as an update adds them.
+    fn sum_edges(&mut self) {
+        self.sums.edges = Default::default();
+        let Self {
+            pairs, sums, awake, ..
+        } = self;
+        let is_awake = |pair: &&Pair| {
+            let of_a = matches!(pair.a, Partner::Body(a) if awake[a as usize]);
+            of_a || awake[pair.b as usize]
+        };
+        let booked = pairs.all().filter(|pair| !pairs.is_guest(pair.b));
+        for pair in booked.filter(is_awake) {
+            sums.add_pair_to_edges(pair);
         }
     }
 

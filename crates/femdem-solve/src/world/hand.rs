@@ -157,7 +157,7 @@ impl World {
     }
 
     /// As [`set_load`](Self::set_load), of bodies by their numbers in the whole, in a world that is
-    /// [shared out](Self::share_out), by all ranks: each loads those that belong to it.
+    /// [shared out](Self::share_out), by all ranks: each loads those that belong to it, and leaves out numbers that it does not know.
     ///
     /// # Errors
     /// As [`set_load`](Self::set_load), and what `halo` reports.

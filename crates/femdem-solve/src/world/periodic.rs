@@ -99,6 +99,7 @@ impl World {
         rates: Matrix3,
         halo: &mut dyn Halo,
     ) -> Result<(), SolveError> {
+        self.fits(halo)?;
         let Some(cell) = self.cell().copied() else {
             return Err(SolveError::NoSuch {
                 what: "periodic cell",

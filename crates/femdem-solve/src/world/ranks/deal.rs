@@ -31,63 +31,89 @@ impl World {
             Vec::new()
         };
         let cuts = self.cut(&of_first, halo)?;
-        let whole = Whole::of(self, self.largest_radius(halo)?);
+        let whole = Whole::of(self, halo)?;
         let (parts, _) = self.take_apart()?;
         self.leave_books(halo);
         self.keep(cuts, whole, parts, halo)
     }
 
-    /// Shares out a world that the first rank has, and no other: the others get what they own or have near.
+    /// Shares out a world that the first rank has, and no other: the others get the bodies that they own or have near, and all
+    /// shapes, models and walls.
     ///
     /// # Errors
     /// As [`share_out`](Self::share_out); [`SolveError::Ranks`] also for a world that another rank gives, or the first does not.
     pub fn share_from_first(world: Option<Self>, halo: &mut dyn Halo) -> Result<Self, SolveError> {
-        let (mut world, of_first, whole, parts) = match (world, halo.rank()) {
-            (Some(mut world), 0) => {
-                world.restored()?;
-                world.not_shared("sharing it out again")?;
-                world.can_be_shared()?;
-                let whole = Whole::of(&world, world.largest_radius(&mut Alone)?);
-                let (costs, (parts, _)) = (world.costs(), world.take_apart()?);
-                let frame = (world.to_bytes()?, &whole, &parts.newcomers);
-                let frame = checkpoint::encode(&frame)?;
-                let others = (1..halo.size()).map(|rank| (rank, frame.clone()));
-                halo.send(others.collect())?;
-                (world, costs, whole, parts)
-            }
-            (None, 1..) => {
-                let received = halo.send(Vec::new())?;
-                let Some((0, bytes)) = received.first() else {
-                    return Err(ranks("the first rank has sent no world"));
-                };
-                let (frame, whole, newcomers): (Vec<u8>, Whole, _) = checkpoint::decode(bytes)?;
-                let parts = Parts {
-                    newcomers,
-                    ..Parts::default()
-                };
-                (Self::from_bytes(&frame)?, Vec::new(), whole, parts)
-            }
-            _ => {
-                return Err(ranks(
-                    "the first rank gives the world, and no other rank does",
-                ));
-            }
+        let version = f64::from(checkpoint::VERSION);
+        let is_given = world.is_some() == (halo.rank() == 0);
+        let mut least = [version, -version, f64::from(u8::from(is_given))];
+        halo.least(&mut least)?;
+        let [oldest, newest, is_given] = least;
+        if oldest != -newest {
+            return Err(ranks("the ranks have different programs"));
+        }
+        if is_given < 1.0 {
+            return Err(ranks(
+                "the first rank gives the world, and no other rank does",
+            ));
+        }
+        let Some(mut world) = world else {
+            return Self::share_with_first(halo);
         };
-        let cuts = world.cut(&of_first, halo)?;
+        world.restored()?;
+        world.not_shared("sharing it out again")?;
+        world.can_be_shared()?;
+        let whole = Whole::of(&world, &mut Alone)?;
+        let (costs, (parts, _)) = (world.costs(), world.take_apart()?);
+        let frame = (world.to_bytes()?, &whole, &parts.newcomers);
+        let frame = checkpoint::encode(&frame)?;
+        for rank in 1..halo.size() {
+            halo.send(vec![(rank, frame.clone())])?;
+        }
+        world.receive(&costs, whole, parts, halo)
+    }
+
+    /// The part of a rank that is not the first of what that one [gives](Self::share_from_first).
+    fn share_with_first(halo: &mut dyn Halo) -> Result<Self, SolveError> {
+        let mut frame = Vec::new();
+        for rank in 1..halo.size() {
+            let received = halo.send(Vec::new())?;
+            if let Some((0, bytes)) = received.into_iter().next().filter(|_| rank == halo.rank()) {
+                frame = bytes;
+            }
+        }
+        let (frame, whole, newcomers): (Vec<u8>, Whole, _) = checkpoint::decode(&frame)?;
+        let parts = Parts {
+            newcomers,
+            ..Parts::default()
+        };
+        Self::from_bytes(&frame)?.receive(&[], whole, parts, halo)
+    }
+
+    /// Sends what there is of a whole to its owners, and keeps what comes: of `parts` that only the first rank has, whose costs
+    /// are these.
+    fn receive(
+        mut self,
+        costs: &[(Vector3, u64)],
+        whole: Whole,
+        parts: Parts,
+        halo: &mut dyn Halo,
+    ) -> Result<Self, SolveError> {
+        let cuts = self.cut(costs, halo)?;
         let mut own = Parts {
             newcomers: parts.newcomers.clone(),
             ..Parts::default()
         };
-        let mut places = BTreeMap::new();
+        let mut owners = BTreeMap::new();
         for portion in parts.portions(halo)? {
+            let map = self.map(&cuts);
             let of_portion = portion.members.iter();
-            places.extend(of_portion.map(|member| (member.number, member.place())));
-            own.join(world.pass_on((&cuts, whole.largest), portion, &places, halo)?);
+            owners.extend(of_portion.map(|member| (member.number, map.owner(&member.place()))));
+            own.join(self.pass_on((&cuts, whole.largest), portion, &owners, halo)?);
         }
         own.members.sort_by_key(|member| member.number);
-        world.leave_books(halo);
-        world.keep(cuts, whole, own, halo)?;
-        Ok(world)
+        self.leave_books(halo);
+        self.keep(cuts, whole, own, halo)?;
+        Ok(self)
     }
 
     /// Cuts space by what bodies cost, those of all ranks.
@@ -142,9 +168,14 @@ impl World {
             cuts = Cuts::find(&costs, halo)?;
         }
         whole.largest = self.largest_radius(halo)?;
-        whole.paths = self.batch.edge_paths();
+        whole.edges = self.edges(whole.way(), halo)?;
         let (parts, guests) = self.take_apart()?;
-        let parts = self.pass_on((&cuts, whole.largest), parts, &guests, halo)?;
+        let map = self.map(&cuts);
+        let own = parts.members.iter();
+        let own = own.map(|member| (member.number, map.owner(&member.place())));
+        let guests = guests.iter().map(|(number, x)| (*number, map.owner(x)));
+        let owners = own.chain(guests).collect();
+        let parts = self.pass_on((&cuts, whole.largest), parts, &owners, halo)?;
         self.keep(cuts, whole, parts, halo)
     }
 
@@ -231,7 +262,7 @@ impl World {
     }
 
     /// The largest radius of all shapes and of the deformable bodies of all ranks, m.
-    fn largest_radius(&self, halo: &mut dyn Halo) -> Result<f64, SolveError> {
+    pub(super) fn largest_radius(&self, halo: &mut dyn Halo) -> Result<f64, SolveError> {
         let radii = self.batch.shapes().iter().map(|shape| shape.radius());
         let rigid = radii.fold(0.0, f64::max);
         if self.deformables.is_none() {
@@ -246,22 +277,16 @@ impl World {
         Ok(-least[0])
     }
 
-    /// Sends the bodies to their owners and to those near them, and the pairs to the owners of their bodies.
+    /// Sends the bodies to their owners and to those near them, and the pairs to the owners of their bodies, which are known.
     fn pass_on(
         &self,
         (cuts, largest): (&Cuts, f64),
         parts: Parts,
-        guests: &BTreeMap<BodyId, Vector3>,
+        owners: &BTreeMap<BodyId, usize>,
         halo: &mut dyn Halo,
     ) -> Result<Parts, SolveError> {
         let reach = self.reach(largest);
         let map = self.map(cuts);
-        let owners: BTreeMap<BodyId, usize> = parts
-            .members
-            .iter()
-            .map(|member| (member.number, map.owner(&member.place())))
-            .chain(guests.iter().map(|(number, x)| (*number, map.owner(x))))
-            .collect();
         let mut bags: BTreeMap<usize, Parts> = BTreeMap::new();
         for member in parts.members {
             let mut near = map.near(&member.place(), reach(member.radius()));
@@ -328,7 +353,7 @@ impl World {
             } else {
                 continue;
             }
-            until.push((radius, map.image(&x)));
+            until.push((radius, whole.edges.away(self.cell(), &x)));
             kept.push((member, owner));
         }
         let is_own = |number: &BodyId| {
@@ -341,10 +366,10 @@ impl World {
             .filter(|pair| bodies_of(pair).any(|number| is_own(&number)))
             .collect();
         let numbers = self.put_together(kept, pairs, parts.newcomers, rank)?;
-        let until = (0..).zip(until).map(|(id, (radius, image))| Until {
+        let until = (0..).zip(until).map(|(id, (radius, away))| Until {
             travelled: self.travelled(id) + way,
             radius,
-            image,
+            away,
         });
         let until = until.collect();
         let links = links

@@ -46,7 +46,8 @@ impl World {
             map.owner(&body.position),
             map.near(&body.position, reach(body.radius)),
         );
-        let image = map.image(&body.position);
+        let away = share.whole.edges.away(self.cell(), &body.position);
+        share.whole.edges.reach(away);
         let id = share.numbers.len() as BodyId;
         let whose = if owner == share.rank {
             for other in near.into_iter().filter(|other| *other != owner) {
@@ -63,7 +64,7 @@ impl World {
         share.until.push(Until {
             travelled: body.travelled + share.whole.way(),
             radius: body.radius,
-            image,
+            away,
         });
         share.holds.push(false);
         Ok(whose)

@@ -35,9 +35,4 @@ impl Map<'_> {
             .flat_map(|way| self.cuts.near(&(x + way), reach));
         ranks.collect::<BTreeSet<usize>>().into_iter().collect()
     }
-
-    /// By how many edges a place is away from the cell.
-    pub fn image(&self, x: &Vector3) -> [i32; 3] {
-        self.cell.map_or([0; 3], |cell| cell.split(x).0)
-    }
 }

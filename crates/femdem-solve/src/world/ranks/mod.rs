@@ -9,6 +9,7 @@
 
 mod cuts;
 mod deal;
+mod edges;
 mod join;
 mod map;
 mod parts;
@@ -20,6 +21,7 @@ use crate::error::SolveError;
 use crate::guide::Guide;
 use crate::halo::Halo;
 use cuts::Cuts;
+use edges::{Edges, carried};
 use femdem_contact::{BodyId, Partner};
 use femdem_fem::{Boundary, Driven};
 pub(super) use join::Whose;
@@ -58,8 +60,8 @@ pub(super) struct Whole {
     vacant: Vec<BodyId>,
     /// The largest radius of all bodies and shapes when they were dealt, m.
     largest: f64,
-    /// The paths of the edges of the periodic cell at that time, m.
-    paths: [f64; 3],
+    /// The edges of the periodic cell at that time.
+    edges: Edges,
     /// How bodies are driven, and nodes of deformable ones: functions of time.
     guides: Vec<Guide>,
     boundaries: Vec<Boundary>,
@@ -72,7 +74,8 @@ impl Whole {
     }
 
     /// Of a world that has all bodies.
-    fn of(world: &World, largest: f64) -> Self {
+    fn of(world: &World, halo: &mut dyn Halo) -> Result<Self, SolveError> {
+        let largest = world.largest_radius(halo)?;
         let total = world.bodies.len() as BodyId;
         let vacant = (0..total).filter(|id| !world.batch.contains(*id));
         let mut guides: Vec<Guide> = Vec::new();
@@ -85,14 +88,14 @@ impl Whole {
         }
         let boundaries = world.own_nodes().map(|(_, nodes, _)| &nodes.boundary);
         let will_move = |b: &&Boundary| b.is_driven(world.time, f64::INFINITY);
-        Self {
+        Ok(Self {
             total,
             vacant: vacant.collect(),
             largest,
-            paths: world.batch.edge_paths(),
+            edges: world.edges(WAY * largest, halo)?,
             guides,
             boundaries: boundaries.filter(will_move).cloned().collect(),
-        }
+        })
     }
 }
 
@@ -124,8 +127,8 @@ struct Until {
     travelled: f64,
     /// Its radius; that of a deformable body may grow, m.
     radius: f64,
-    /// In periodic space: by how many edges it was away from the cell.
-    image: [i32; 3],
+    /// In periodic space: by how many edges it was away from the middle.
+    away: [f64; 3],
 }
 
 /// What two ranks exchange; lists by local number, ascending.
@@ -238,7 +241,11 @@ impl World {
         Ok(())
     }
 
-    fn can_be_shared(&self) -> Result<(), SolveError> {
+    /// Refuses what cannot be shared, as [`share_out`](Self::share_out).
+    ///
+    /// # Errors
+    /// [`SolveError::Ranks`].
+    pub fn can_be_shared(&self) -> Result<(), SolveError> {
         let breakable = self
             .own_nodes()
             .any(|(_, nodes, _)| nodes.breakable.is_some());
@@ -329,44 +336,20 @@ impl World {
         if share.cuts.are_to_first() {
             return 0.0;
         }
-        let paths = self.paths_since(share);
+        let paths = share.whole.edges.since(self.batch.edge_paths());
         let left = |i: BodyId| {
             let (until, way) = (share.until[i as usize], self.batch.way_and_reach(i));
             let grown = way.is_some_and(|[_, reach]| reach > until.radius);
             if grown {
                 0.0
             } else {
-                until.travelled - self.travelled(i) - carried(until.image, paths)
+                until.travelled - self.travelled(i) - carried(until.away, paths)
             }
         };
         let soft = self.own_nodes().map(|(id, ..)| id);
         let awake = self.awake.iter().copied().chain(soft);
-        let edges = share.whole.way() - carried([1; 3], paths);
+        let edges = share.whole.edges.slack(share.whole.way(), paths);
         awake.map(left).fold(edges, f64::min)
-    }
-
-    /// How far the edges of the periodic cell have gone since the bodies were dealt, m.
-    fn paths_since(&self, share: &Share) -> [f64; 3] {
-        let now = self.batch.edge_paths();
-        [0, 1, 2].map(|k| now[k] - share.whole.paths[k])
-    }
-
-    /// Refuses edges of a periodic cell that go so far in a step, m, that bodies may meet others that their rank does not know.
-    pub(super) fn check_edges(&self, ways: [f64; 3]) -> Result<(), SolveError> {
-        let share = self.share.as_deref().filter(|share| share.is_of_many());
-        let Some(share) = share else {
-            return Ok(());
-        };
-        let images = share.until.iter().map(|until| until.image);
-        let carried = images.map(|image| carried(image.map(|n| n.abs().saturating_add(1)), ways));
-        if carried.fold(0.0, f64::max) <= LARGEST_MOVE * share.whole.largest {
-            return Ok(());
-        }
-        Err(SolveError::Ranks {
-            why: format!(
-                "the edges of the periodic cell carry a body by more than {LARGEST_MOVE} of the largest radius of all bodies in a step: lower time_step.largest, or run it on one rank"
-            ),
-        })
     }
 
     /// Running bound of the distance any point of a body has travelled, m.
@@ -374,12 +357,6 @@ impl World {
         let soft = self.batch.way_and_reach(id);
         soft.map_or(self.bodies[id as usize].travelled, |[way, _]| way)
     }
-}
-
-/// How far edges carry a body that is so many of them away, m.
-fn carried(image: [i32; 3], paths: [f64; 3]) -> f64 {
-    let each = image.iter().zip(paths);
-    each.map(|(n, path)| f64::from(n.abs()) * path).sum()
 }
 
 fn ranks(why: &str) -> SolveError {

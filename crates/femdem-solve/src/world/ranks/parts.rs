@@ -50,8 +50,33 @@ pub(super) struct Parts {
     pub newcomers: Newcomers,
 }
 
-/// Bodies, or pairs, that ranks send each other at a time: what is on its way is small beside what a rank keeps.
+/// Bodies and nodes, or pairs, that ranks send each other at a time: what is on its way is small beside what a rank keeps.
 const PORTION: usize = 1 << 14;
+
+impl Member {
+    /// Its share of a portion.
+    fn weight(&self) -> usize {
+        1 + self.nodes.as_deref().map_or(0, State::count_of_numbers)
+    }
+}
+
+/// A list in portions of so much weight, or of one that is heavier.
+fn in_portions<T>(list: Vec<T>, weight: impl Fn(&T) -> usize) -> Vec<Vec<T>> {
+    let mut portions: Vec<Vec<T>> = Vec::new();
+    let mut room = 0;
+    for item in list {
+        let own = weight(&item);
+        if own > room || portions.is_empty() {
+            portions.push(Vec::new());
+            room = PORTION;
+        }
+        room = room.saturating_sub(own);
+        if let Some(last) = portions.last_mut() {
+            last.push(item);
+        }
+    }
+    portions
+}
 
 impl Parts {
     /// Bodies and then pairs, in as many portions on all ranks; without the newcomers.
@@ -59,17 +84,18 @@ impl Parts {
         self,
         halo: &mut dyn Halo,
     ) -> Result<impl Iterator<Item = Self> + use<>, SolveError> {
-        let lengths = [self.members.len(), self.pairs.len()];
-        let mut least = lengths.map(|length| -(length.div_ceil(PORTION) as f64));
+        let members = in_portions(self.members, Member::weight);
+        let pairs = in_portions(self.pairs, |_| 1);
+        let mut least = [members.len(), pairs.len()].map(|length| -(length as f64));
         halo.least(&mut least)?;
         let [of_members, of_pairs] = least.map(|most| -most as usize);
-        let (mut members, mut pairs) = (self.members.into_iter(), self.pairs.into_iter());
+        let (mut members, mut pairs) = (members.into_iter(), pairs.into_iter());
         Ok((0..of_members + of_pairs).map(move |at| {
             let mut portion = Self::default();
             if at < of_members {
-                portion.members = members.by_ref().take(PORTION).collect();
+                portion.members = members.next().unwrap_or_default();
             } else {
-                portion.pairs = pairs.by_ref().take(PORTION).collect();
+                portion.pairs = pairs.next().unwrap_or_default();
             }
             portion
         }))
@@ -263,12 +289,16 @@ impl Share {
             .all(|last| *last < self.whole.total);
         let is_length = |x: f64| x.is_finite() && x >= 0.0;
         let mut until = self.until.iter();
-        let lasting = until.all(|until| until.travelled.is_finite() && is_length(until.radius));
+        let lasting = until.all(|until| {
+            until.travelled.is_finite()
+                && is_length(until.radius)
+                && until.away.iter().all(|n| n.is_finite())
+        });
         let mut guides = self.whole.guides.iter();
         let guided = guides.all(|guide| guide.drive().is_some() && guide.validate().is_ok());
         self.cuts.is_sound()
             && is_length(self.whole.largest)
-            && self.whole.paths.into_iter().all(is_length)
+            && self.whole.edges.is_sound()
             && lasting
             && guided
             && counted
@@ -313,7 +343,7 @@ mod tests {
         assert!(read(|_| {}).is_ok());
         let changes: [fn(&mut Share); 12] = [
             |share| share.whole.largest = f64::NAN,
-            |share| share.whole.paths[1] = f64::INFINITY,
+            |share| share.until[0].away[1] = f64::NAN,
             |share| share.until[1].travelled = f64::INFINITY,
             |share| share.until[1].radius = -1.0,
             |share| share.whole.guides = vec![Guide::host(Driven::default())],

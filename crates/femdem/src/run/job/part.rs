@@ -5,20 +5,37 @@ use std::path::Path;
 use femdem_solve::{Halo, SolveError, World, checkpoint};
 
 use crate::Error;
+use crate::run::load::LoadedMembers;
 use crate::run::stillness::{STEPS_BETWEEN_LOOKS, Stillness};
-use crate::run::{BodyLoads, Controls, Member, Run, Scenario};
+use crate::run::{Controls, Run, Scenario};
 
 /// What a rank needs to step its part of a run: the first one has the [`Run`] besides, which writes the files.
 pub struct Part {
     world: World,
     scenario: Scenario,
     controls: Controls,
-    /// Where there are loads, the bodies of the whole.
-    members: Vec<Member>,
-    loads: BodyLoads,
+    loads: LoadedMembers,
     stillness: Stillness,
     /// Whether the bodies have been still for so long that their forces are looked at.
     may_rest: bool,
+}
+
+/// What all ranks get of a run besides its world.
+type Shared = (String, Controls, Stillness, LoadedMembers);
+
+impl Run {
+    /// What it gives to ranks besides its world, if they can share it.
+    fn to_share(&self) -> Result<Shared, Error> {
+        self.steps_elsewhere()?;
+        let simulation = &self.simulation;
+        simulation.world.can_be_shared()?;
+        Ok((
+            self.scenario.to_toml()?,
+            simulation.controls.clone(),
+            self.stillness,
+            LoadedMembers::of(&simulation.loads, &simulation.members),
+        ))
+    }
 }
 
 impl Part {
@@ -29,39 +46,39 @@ impl Part {
     ///
     /// [`Error::Option`] for what ranks cannot do, as [`Run::steps_elsewhere`], and those of [`World::share_from_first`].
     pub fn share_out(run: Option<&mut Run>, halo: &mut dyn Halo) -> Result<Self, Error> {
-        let (mut mine, mut given) = (None, None);
+        let (mut mine, mut given, mut refused) = (None, None, None);
         if let Some(run) = run {
-            run.steps_elsewhere()?;
-            let simulation = &mut run.simulation;
-            let empty = World::new(*simulation.world.parameters())?;
-            given = Some(std::mem::replace(&mut simulation.world, empty));
-            // Names may be many, and are for loads alone.
-            let (members, loads) = match simulation.loads.is_empty() {
-                true => (&[][..], BodyLoads::default()),
-                false => (&simulation.members[..], simulation.loads.clone()),
-            };
-            let rest = (&simulation.controls, run.stillness, members, loads);
-            mine = Some((run.scenario.to_toml()?, checkpoint::encode(&rest)?));
+            match run.to_share() {
+                Ok(parts) => {
+                    let world = &mut run.simulation.world;
+                    let empty = World::new(*world.parameters())?;
+                    given = Some(std::mem::replace(world, empty));
+                    mine = Some(parts);
+                }
+                // The others are told before.
+                Err(error) => refused = Some(error),
+            }
         }
-        let bytes = checkpoint::encode(&mine)?;
-        let message = mine.is_some().then(|| {
-            let others = 0..halo.size();
-            others.map(|rank| (rank, bytes.clone())).collect()
-        });
-        let received = halo.send(message.unwrap_or_default())?;
-        let world = World::share_from_first(given, halo)?;
+        let mut messages = Vec::new();
+        if given.is_some() || refused.is_some() {
+            let bytes = checkpoint::encode(&mine)?;
+            messages.extend((0..halo.size()).map(|rank| (rank, bytes.clone())));
+        }
+        let received = halo.send(messages)?;
+        if let Some(error) = refused {
+            return Err(error);
+        }
         let none = || SolveError::Ranks {
             why: "the first rank gives the run, and no other rank does".to_owned(),
         };
         let (_, bytes) = received.first().ok_or_else(none)?;
-        let sent: Option<(String, Vec<u8>)> = checkpoint::decode(bytes)?;
-        let (scenario, rest) = sent.ok_or_else(none)?;
-        let (controls, stillness, members, loads) = checkpoint::decode(&rest)?;
+        let sent: Option<Shared> = checkpoint::decode(bytes)?;
+        let (scenario, controls, stillness, loads) = sent.ok_or_else(none)?;
+        let world = World::share_from_first(given, halo)?;
         Ok(Self {
             world,
             scenario: Scenario::from_toml(&scenario)?,
             controls,
-            members,
             loads,
             stillness,
             may_rest: false,
@@ -90,7 +107,7 @@ impl Part {
             let world = &mut self.world;
             // Of the middle of the step, as alone.
             let time = world.time() + 0.5 * world.time_step();
-            self.loads.apply(&self.members, world, time, halo)?;
+            self.loads.apply(world, time, halo)?;
         }
         if self.controls.is_empty() {
             self.world.step_on(halo)?;
@@ -134,9 +151,7 @@ impl Part {
         let mut ended = [0];
         if let Some((run, whole)) = run.zip(whole) {
             run.simulation.controls = self.controls.clone();
-            if !self.loads.is_empty() {
-                run.simulation.loads = self.loads.clone();
-            }
+            self.loads.give_back(&mut run.simulation.loads);
             run.stillness = self.stillness;
             run.go_on_with(whole, self.may_rest, folder)?;
             ended = [u64::from(run.ending.is_some())];

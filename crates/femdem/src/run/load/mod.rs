@@ -297,3 +297,45 @@ impl BodyLoads {
         Ok(())
     }
 }
+
+/// The loads of a run over ranks, with the bodies that have any.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct LoadedMembers {
+    members: Vec<Member>,
+    loads: BodyLoads,
+}
+
+impl LoadedMembers {
+    /// Those of a run, whose bodies do not break.
+    pub fn of(loads: &BodyLoads, members: &[Member]) -> Self {
+        let each = members.iter().zip(&loads.of_members);
+        let loaded = each.filter(|(_, numbers)| !numbers.is_empty());
+        let (members, of_members) = loaded.map(|(m, n)| (m.clone(), n.clone())).unzip();
+        let loads = BodyLoads {
+            loads: loads.loads.clone(),
+            of_members,
+            acting: loads.acting.clone(),
+        };
+        Self { members, loads }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.loads.is_empty()
+    }
+
+    /// As [`BodyLoads::apply`].
+    pub fn apply(
+        &mut self,
+        world: &mut World,
+        time: f64,
+        halo: &mut dyn Halo,
+    ) -> Result<(), Error> {
+        self.loads.apply(&self.members, world, time, halo)
+    }
+
+    /// Tells the loads of the run what acts now.
+    pub fn give_back(&self, loads: &mut BodyLoads) {
+        loads.acting.clone_from(&self.loads.acting);
+    }
+}
