@@ -3,8 +3,14 @@
 //! Takes which test to run, and for discs the number of one of them, from 0. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
 
 mod bar;
+mod beam;
+mod bent;
 mod block;
+mod burst;
 mod disc;
+mod mean;
+mod notched;
+mod opened;
 mod setting;
 
 use std::error::Error;
@@ -20,6 +26,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             Some(one) => discs(&mut out, Some(one.parse()?)),
             None => discs(&mut out, None),
         },
+        "opened" => opened(&mut out),
+        "bent" => bent(&mut out),
+        "burst" => bursts(&mut out),
+        "notched" => notched(&mut out),
         _ => Err("say which: bar, block or disc".into()),
     }
 }
@@ -98,6 +108,90 @@ fn discs(out: &mut impl Write, one: Option<usize>) -> Result<(), Box<dyn Error>>
             ("books", disc.books),
         ];
         print(out, ["disc", &mesh, &setting], &values)?;
+    }
+    Ok(())
+}
+
+/// Meshes of beams: cells along the seam, m.
+const FINE: [f64; 3] = [1.0e-3, 0.7e-3, 0.5e-3];
+
+/// Double cantilever beams: the seam plane, then rough.
+fn opened(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for (setting, rough) in [("plane", false), ("rough", true)] {
+        for fine in std::env::args()
+            .nth(2)
+            .map_or(FINE.to_vec(), |f| vec![f.parse().unwrap_or(1.0)])
+        {
+            let run = opened::open(fine, rough)?;
+            let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
+            let values = [
+                ("released", run.released.value()),
+                ("spread", run.released.spread()),
+                ("beam", run.beam.value()),
+                ("taken", run.taken),
+                ("books", run.books),
+            ];
+            print(out, ["opened", &mesh, setting], &values)?;
+        }
+    }
+    Ok(())
+}
+
+/// End-notched beams.
+fn bent(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for fine in std::env::args()
+        .nth(2)
+        .map_or(FINE.to_vec(), |f| vec![f.parse().unwrap_or(1.0)])
+    {
+        let run = bent::bend(fine)?;
+        let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
+        let values = [
+            ("released", run.released.value()),
+            ("spread", run.released.spread()),
+            ("beam", run.beam.value()),
+            ("taken", run.taken),
+            ("books", run.books),
+        ];
+        print(out, ["bent", &mesh, "plane"], &values)?;
+    }
+    Ok(())
+}
+
+/// Bars stretched at four rates, on three meshes, by three seeds of strengths.
+fn bursts(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for rate in [0.1, 1.0, 10.0, 100.0] {
+        for cells in [5, 7, 10] {
+            let (mut length, mut formula, mut books) = (0.0, 0.0, 0.0_f64);
+            for seed in [1.0, 2.0, 3.0] {
+                let burst = burst::stretch(rate, cells, seed)?;
+                length += burst.length / 3.0;
+                formula = burst.formula;
+                books = books.max(burst.books.abs());
+            }
+            let mesh = format!("{cells} cells by fragment");
+            let values = [
+                ("length", length),
+                ("over the formula", length / formula),
+                ("books", books),
+            ];
+            print(out, ["burst", &mesh, &format!("rate {rate}")], &values)?;
+        }
+    }
+    Ok(())
+}
+
+/// Notched beams.
+fn notched(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for fine in std::env::args()
+        .nth(2)
+        .map_or([0.2e-3, 0.14e-3, 0.1e-3].to_vec(), |f| {
+            vec![f.parse().unwrap_or(1.0)]
+        })
+    {
+        let beam = notched::bend(fine)?;
+        let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, beam.tets);
+        let values = [("strength", beam.strength), ("books", beam.books)];
+        print(out, ["notched", &mesh, "10 J/m2"], &values)?;
     }
     Ok(())
 }
