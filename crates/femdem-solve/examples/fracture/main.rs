@@ -1,6 +1,6 @@
 //! Tests of strength with known results, for `cargo studies validate fracture`: nothing is fitted to them.
 //!
-//! Takes which test to run, and for discs the number of one of them, from 0. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
+//! Takes which test to run, and for discs the number of one of them, from 0, for beams the edge of one mesh, m. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
 
 mod bar;
 mod beam;
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "bent" => bent(&mut out),
         "burst" => bursts(&mut out),
         "notched" => notched(&mut out),
-        _ => Err("say which: bar, block or disc".into()),
+        _ => Err("say which: bar, block, disc, opened, bent, notched or burst".into()),
     }
 }
 
@@ -115,13 +115,18 @@ fn discs(out: &mut impl Write, one: Option<usize>) -> Result<(), Box<dyn Error>>
 /// Meshes of beams: cells along the seam, m.
 const FINE: [f64; 3] = [1.0e-3, 0.7e-3, 0.5e-3];
 
+/// The meshes of a test, or the one that is asked for.
+fn meshes(usual: [f64; 3]) -> Result<Vec<f64>, Box<dyn Error>> {
+    match std::env::args().nth(2) {
+        Some(edge) => Ok(vec![edge.parse()?]),
+        None => Ok(usual.to_vec()),
+    }
+}
+
 /// Double cantilever beams: the seam plane, then rough.
 fn opened(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     for (setting, rough) in [("plane", false), ("rough", true)] {
-        for fine in std::env::args()
-            .nth(2)
-            .map_or(FINE.to_vec(), |f| vec![f.parse().unwrap_or(1.0)])
-        {
+        for fine in meshes(FINE)? {
             let run = opened::open(fine, rough)?;
             let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
             let values = [
@@ -139,10 +144,7 @@ fn opened(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
 
 /// End-notched beams.
 fn bent(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    for fine in std::env::args()
-        .nth(2)
-        .map_or(FINE.to_vec(), |f| vec![f.parse().unwrap_or(1.0)])
-    {
+    for fine in meshes(FINE)? {
         let run = bent::bend(fine)?;
         let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
         let values = [
@@ -182,12 +184,7 @@ fn bursts(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
 
 /// Notched beams.
 fn notched(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    for fine in std::env::args()
-        .nth(2)
-        .map_or([0.2e-3, 0.14e-3, 0.1e-3].to_vec(), |f| {
-            vec![f.parse().unwrap_or(1.0)]
-        })
-    {
+    for fine in meshes([0.2e-3, 0.14e-3, 0.1e-3])? {
         let beam = notched::bend(fine)?;
         let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, beam.tets);
         let values = [("strength", beam.strength), ("books", beam.books)];
