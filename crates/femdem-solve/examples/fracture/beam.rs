@@ -45,11 +45,10 @@ pub struct Column {
     pub speed: f64,
 }
 
-/// Nodes and their velocity along one axis, m/s.
+/// Nodes and their velocity along z, m/s.
 pub struct Driven {
-    pub nodes: Vec<u32>,
-    pub axis: usize,
-    pub speed: f64,
+    nodes: Vec<u32>,
+    speed: f64,
 }
 
 /// What a beam shows from outside.
@@ -207,34 +206,16 @@ impl Beam {
             nodes: corners
                 .map(|(at, above)| self.node(at, above) as u32)
                 .collect(),
-            axis: 2,
             speed: column.speed,
         }
     }
 
-    /// Nodes of a line across the beam, nearest to a place along x and z (m), driven along x.
-    pub fn line(&self, x: f64, z: f64, speed: f64) -> Driven {
-        let [_, ny, nz] = self.counts();
-        let away = |k: &usize| (self.place(2, *k).0 - z).abs();
-        let k = (0..nz)
-            .min_by(|a, b| away(a).total_cmp(&away(b)))
-            .unwrap_or(0);
-        let node = |j: usize| self.node([self.plane(x), j, k], false) as u32;
-        Driven {
-            nodes: (0..ny).map(node).collect(),
-            axis: 0,
-            speed,
-        }
-    }
-
-    /// The beam with nodes driven, under a pressure on its ends (Pa), with factors of its strength, and its nodes moving as the
-    /// function of their place and half says.
+    /// The beam with nodes driven, under a pressure on its ends (Pa), its nodes moving as the function of their place and half says.
     pub fn start(
         &self,
         driven: &[Driven],
         fracture: Fracture,
         pressure: f64,
-        factor: impl Fn(&Point3) -> f64,
         velocity: impl Fn(&Point3, bool) -> Vector3,
     ) -> Result<(World, BodyId, usize), Box<dyn Error>> {
         let mesh = self.mesh()?;
@@ -254,18 +235,15 @@ impl Beam {
             boundary.pull(&model, &end, pull, Curve::Constant(1.0))?;
         }
         for part in driven {
-            let mut velocity = Vector3::zeros();
-            velocity[part.axis] = part.speed;
             let drive = Drive::Linear {
-                velocity,
+                velocity: Vector3::z() * part.speed,
                 start: 0.0,
                 end: 1.0,
             };
             let nodes = Selection::Nodes(part.nodes.clone());
-            let along = [0, 1, 2].map(|axis| axis == part.axis);
-            boundary.drive_from(&model, &nodes, along, drive, &places)?;
+            boundary.drive_from(&model, &nodes, [false, false, true], drive, &places)?;
         }
-        let factors: Vec<f64> = mesh.points().iter().map(factor).collect();
+        let factors: Vec<f64> = mesh.points().iter().map(|p| self.seam(p)).collect();
         let [nx, ny, nz] = self.counts();
         let start = |(n, p): (usize, &Point3)| velocity(p, n >= nx * ny * nz || p.z > 1e-9);
         let velocities: Vec<Vector3> = mesh.points().iter().enumerate().map(start).collect();
@@ -278,8 +256,8 @@ impl Beam {
         Ok((world, body, mesh.tets().len()))
     }
 
-    /// Strength of the seam, and of all else.
-    pub fn seam(&self, p: &Point3) -> f64 {
+    /// The factor of the strength of a node, in the seam or elsewhere.
+    fn seam(&self, p: &Point3) -> f64 {
         let band = if self.rough { 0.9 * self.fine } else { 1e-9 };
         if p.z.abs() < band { 1.0 } else { STRONGER }
     }

@@ -97,7 +97,7 @@ pub fn bend(fine: f64) -> Result<Run, Box<dyn Error>> {
         let s = ((p.x - BEFORE) / SPAN).min(1.0);
         Vector3::z() * (SPEED * (1.0 - 1.5 * s + 0.5 * s.powi(3)))
     };
-    let (mut world, body, tets) = beam.start(&driven, fracture, 0.0, |p| beam.seam(p), swing)?;
+    let (mut world, body, tets) = beam.start(&driven, fracture, 0.0, swing)?;
     let (mut released, mut by_beam) = (Mean::default(), Mean::default());
     loop {
         for _ in 0..LOOK {

@@ -24,8 +24,8 @@ pub struct Burst {
     pub books: f64,
 }
 
-/// The mean length of fragments over s = E G/f² at a rate over r = c f³/(E² G), with c = √(E/ρ): F. Zhou, J.-F. Molinari and K. T.
-/// Ramesh, Int. J. Fract. 139 (2006) 169-196, fitted by them to calculations of bars in one dimension.
+/// The mean length of fragments over s = E G/f² at a rate over r = c f³/(E² G), with c = √(E/ρ): of F. Zhou, J.-F. Molinari
+/// and K. T. Ramesh, Int. J. Fract. 139 (2006) 169-196, for calculations of bars in one dimension, as the public code DynFrag1D has it.
 fn formula(rate: f64) -> f64 {
     4.5 / (1.0 + 0.77 * rate.powf(0.25) + 5.4 * rate.powf(0.75))
 }

@@ -12,8 +12,8 @@ use std::error::Error;
 const ENERGY: f64 = 10.0;
 const TENSILE: f64 = 5e6;
 
-/// Pressure on the ends of the beam, Pa. The arms are pulled by f √(3 l/h) = 1.5 f at the tip of the notch; without it the crack
-/// would turn into one of them, as it does in tests.
+/// Pressure on the ends of the beam, Pa. The arms are pulled by f √(3 l/h) = 1.5 f at the tip of the notch, so that without it the crack
+/// would turn into one of them.
 const PRESSURE: f64 = 10e6;
 
 /// Width and height of either arm, m; from the load to the tip of the notch, and to the end of the cells that are fine.
@@ -89,8 +89,7 @@ pub fn open(fine: f64, rough: bool) -> Result<Run, Box<dyn Error>> {
         let way = 1.0 - 1.5 * s + 0.5 * s.powi(3);
         Vector3::z() * if above { SPEED * way } else { -SPEED * way }
     };
-    let (mut world, body, tets) =
-        beam.start(&driven, fracture, PRESSURE, |p| beam.seam(p), swing)?;
+    let (mut world, body, tets) = beam.start(&driven, fracture, PRESSURE, swing)?;
     let (mut released, mut by_beam) = (Mean::default(), Mean::default());
     loop {
         for _ in 0..LOOK {
