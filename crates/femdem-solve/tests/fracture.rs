@@ -180,6 +180,43 @@ fn a_bar_in_tension_breaks_at_its_strength_and_closes_again() {
 }
 
 /// As long as nothing cracks, a body that may break moves with the same bits as one that cannot.
+/// A bar that is weaker in one plane breaks there at the strength of that plane; what means nothing is refused.
+#[test]
+fn a_bar_with_a_seam_breaks_at_the_seam() {
+    let mut world = bar([12, 3, 3], 0.2, Some(rock([20.0, 100.0])));
+    let nodes = world.deformable(0).unwrap().model().nodes().to_vec();
+    let is_seam = |x: &Vector3| (x.x - 0.03).abs() < 0.002;
+    let factor = |x: &Vector3| if is_seam(x) { 0.5 } else { 1.0 };
+    let factors: Vec<f64> = nodes.iter().map(factor).collect();
+    let cases = [&factors[1..], &[&[0.0], &factors[1..]].concat()[..]];
+    for wrong in cases {
+        assert!(world.scale_strength(0, wrong).is_err());
+    }
+    assert!(world.scale_strength(1, &factors).is_err());
+    assert!(
+        bar([4, 1, 1], 0.2, None)
+            .scale_strength(0, &[1.0; 20])
+            .is_err()
+    );
+    world.scale_strength(0, &factors).unwrap();
+    let mut peak = 0.0_f64;
+    while fragments(&world) < 2 {
+        world.step().unwrap();
+        peak = peak.max(tension(&world));
+        assert!(world.time() < 1e-3, "it does not break: {peak:e}");
+    }
+    // Nodes beside those that failed wait, while the tension rises.
+    assert!(peak > 0.5 * TENSILE && peak < 0.7 * TENSILE, "{peak:e}");
+    let body = world.deformable(0).unwrap();
+    for facet in body.cracks().unwrap().facets() {
+        let centre = facet.place.iter().sum::<Vector3>() / 3.0;
+        assert!((centre.x - 0.03).abs() < 0.005, "{centre:?}");
+    }
+    let count = body.model().nodes().len();
+    let refused = world.scale_strength(0, &vec![1.0; count]).unwrap_err();
+    assert!(refused.to_string().contains("cracks"), "{refused}");
+}
+
 #[test]
 fn before_it_cracks_a_body_has_the_same_bits() {
     let [mut may, mut cannot] = [Some(rock([20.0, 100.0])), None].map(|f| bar([8, 2, 2], 0.05, f));

@@ -10,18 +10,18 @@ use super::report::{Check, Report, short};
 
 const EXAMPLE: &str = "-p femdem-solve --example fracture --";
 
-/// Columns of a row.
-const MESH: usize = 1;
-const SETTING: usize = 2;
+/// Column of the value in a row.
 const VALUE: usize = 4;
 
-/// Bars in tension, blocks under compression and discs across their diameter.
+/// Tests of the example that are run: all but its discs, which take hours.
+const TESTS: [&str; 5] = ["bar", "block", "opened", "bent", "burst"];
+
+/// Bars in tension, blocks under compression, beams along which a crack runs, and bars that burst.
 ///
 /// # Errors
 /// When the example cannot be built or fails.
 pub(crate) fn fracture(workshop: &Workshop, earlier: Option<&Path>) -> Result<Report> {
-    let tests = ["bar", "block", "disc"];
-    let (output, commands) = Output::of_tables(workshop, earlier, EXAMPLE, &tests)?;
+    let (output, commands) = Output::of_tables(workshop, earlier, EXAMPLE, &TESTS)?;
     Ok(Report {
         name: "fracture",
         title: "Bodies that break".to_owned(),
@@ -34,16 +34,34 @@ pub(crate) fn fracture(workshop: &Workshop, earlier: Option<&Path>) -> Result<Re
     })
 }
 
-/// Rows of a test and a quantity, with their values.
-fn all<'a>(
-    output: &'a Output,
-    test: &'a str,
-    quantity: &'a str,
-) -> impl Iterator<Item = (&'a [String], f64)> {
+/// Values of a test and a quantity.
+fn all(output: &Output, test: &str, quantity: &str) -> impl Iterator<Item = f64> {
     output.rows("value").filter_map(move |row| match row {
-        [own, .., what, _] if own == test && what == quantity => Some((row, cell(row, VALUE))),
+        [own, .., what, _] if own == test && what == quantity => Some(cell(row, VALUE)),
         _ => None,
     })
+}
+
+/// Values of a test and a quantity for each of the meshes, by how their names begin, with each of the settings; NaN for a run that is
+/// not there.
+fn each(
+    output: &Output,
+    [test, quantity]: [&str; 2],
+    meshes: &[&str],
+    settings: &[&str],
+) -> impl Iterator<Item = f64> {
+    let mut values = Vec::new();
+    for mesh in meshes {
+        for setting in settings {
+            let is_run = |row: &&[String]| {
+                matches!(row, [t, m, s, q, _]
+                    if t == test && m.starts_with(mesh) && s == setting && q == quantity)
+            };
+            let found = output.rows("value").find(is_run);
+            values.push(found.map_or(f64::NAN, |row| cell(row, VALUE)));
+        }
+    }
+    values.into_iter()
 }
 
 /// The value farthest from 1; NaN without values, or if one is.
@@ -70,81 +88,121 @@ fn near_one(figure: &str, values: impl Iterator<Item = f64>, share: f64) -> Chec
 }
 
 fn checks(output: &Output) -> Vec<Check> {
-    let of = |test: &'static str, quantity: &'static str| all(output, test, quantity).map(|r| r.1);
-    let with = |test, quantity, mesh: &'static str, setting: &'static str| {
-        all(output, test, quantity)
-            .filter(move |(row, _)| {
-                row[MESH].starts_with(mesh) && row[SETTING].starts_with(setting)
-            })
-            .map(|r| r.1)
-    };
-    let books = ["bar", "block", "disc"].map(|test| {
-        let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
-        let worst = of(test, "books").map(f64::abs).reduce(larger);
-        let worst = worst.unwrap_or(f64::NAN);
-        Check::at_most(
-            &format!("{test}, relative error of the ledger"),
-            worst,
-            1e-3,
-            "",
-        )
-    });
-    let mut checks = vec![
+    let seams: &[&str] = &["plane", "rough"];
+    let rates: &[&str] = &["rate 0.1", "rate 1", "rate 10", "rate 100"];
+    let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
+    // Of each test, so that none may be without values.
+    let books = TESTS.map(|test| all(output, test, "books").map(f64::abs).reduce(larger));
+    let books = books.map(|worst| worst.unwrap_or(f64::NAN));
+    vec![
         near_one(
-            "bar, strength, farthest of three meshes and three seeds",
-            of("bar", "strength"),
+            "bar, strength, three meshes, three seeds",
+            all(output, "bar", "strength"),
             0.03,
         ),
         near_one(
-            "bar, energy over G A, farthest of the same",
-            of("bar", "energy"),
+            "bar, energy over G A, the same",
+            all(output, "bar", "energy"),
             0.1,
         ),
         near_one(
             "block, strength over Mohr and Coulomb's, three meshes",
-            with("block", "strength", "", "0 MPa"),
+            each(
+                output,
+                ["block", "strength"],
+                &["4 x", "6 x", "8 x"],
+                &["0 MPa"],
+            ),
             0.1,
         ),
         near_one(
             "the same under 5, 10 and 20 MPa on its sides",
-            ["5 MPa", "10 MPa", "20 MPa"]
-                .into_iter()
-                .map(|p| all(output, "block", "strength").find(|(row, _)| row[SETTING] == p))
-                .map(|found| found.map_or(f64::NAN, |(_, value)| value)),
+            each(
+                output,
+                ["block", "strength"],
+                &["6 x"],
+                &["5 MPa", "10 MPa", "20 MPa"],
+            ),
             0.1,
         ),
         near_one(
-            "disc, load at the first crack inside, D/l = 12.5 and more",
-            with("disc", "first crack", "", "5 J").chain(with("disc", "first crack", "", "2.5 J")),
+            "opened, J over G, mesh of 0.7 mm",
+            each(output, ["opened", "released"], &["0.70 mm"], seams),
             0.05,
         ),
         near_one(
-            "disc, largest load, D/l = 12.5",
-            with("disc", "strength", "", "5 J"),
+            "opened, J over G, meshes of 1.0 and 1.4 mm",
+            each(
+                output,
+                ["opened", "released"],
+                &["1.00 mm", "1.40 mm"],
+                seams,
+            ),
             0.05,
         ),
         near_one(
-            "disc, largest load, D/l = 25",
-            with("disc", "strength", "", "2.5 J"),
+            "opened, theory of beams, mesh of 0.7 mm",
+            each(output, ["opened", "beam"], &["0.70 mm"], seams),
             0.05,
         ),
-    ];
-    checks.extend(books);
-    checks
+        near_one(
+            "bent, J over G, mesh of 0.5 mm",
+            each(output, ["bent", "released"], &["0.50 mm"], &["plane"]),
+            0.05,
+        ),
+        near_one(
+            "bent, J over G, meshes of 0.7 and 1.0 mm",
+            each(
+                output,
+                ["bent", "released"],
+                &["0.70 mm", "1.00 mm"],
+                &["plane"],
+            ),
+            0.05,
+        ),
+        near_one(
+            "burst, mean length over the formula, ten cells by fragment, four rates",
+            each(output, ["burst", "over the formula"], &["10 cells"], rates),
+            0.15,
+        ),
+        Check::at_most(
+            "all, relative error of the ledger",
+            books.into_iter().fold(0.0, larger),
+            1e-3,
+            "",
+        ),
+    ]
 }
 
-const TEXT: &str = "A rock: E = 20 GPa, nu = 0.2, 2,500 kg/m3, strength in tension f = 5 MPa, cohesion c = 20 MPa, tan(phi) = 0.8, energy \
-of fracture by opening G = 20 J/m2 where nothing else is said, by sliding five times as much. Linear tetrahedra, neo-Hookean, whose \
-points are shaken where the mesh is a block; no friction at the platens; the default step at the safety 0.5. Nothing is fitted.\n\n\
-- **Bar** of 40 x 10 x 10 mm, its ends pulled apart at 0.1 m/s. Strength: largest mean tension over f. Energy: what it has \
-taken over G times its section.\n\
-- **Block** of 20 x 20 x 40 mm, compressed at 0.5 m/s, with a pressure p on its sides. Strength: largest axial stress over \
-2 c cos(phi)/(1 - sin(phi)) + p (1 + sin(phi))/(1 - sin(phi)) (Mohr and Coulomb). Held: stress after a tenth more compression over the \
-largest; 0.1 and below ends the run.\n\
-- **Disc**, 50 mm wide and 6 mm thick, pressed across at 0.1 m/s (the Brazilian test). Loads P over pi D t f/2, at which the tension at the centre of \
-an elastic disc is f; place of the first crack that is farther than 0.2 R from the rim, over R; mean angle between \
-cut facets and the loaded diameter, by energy. D over the length l = E G/f2 of the process zone says how brittle it is: above some 10 a \
-disc splits at once.\n\n";
+const TEXT: &str = "Linear tetrahedra, neo-Hookean, E = 20 GPa, nu = 0.2, 2,500 kg/m3; half the default step; no friction. Nodes are moved by up to a \
+fifth of an edge. No law or constant of the program is fitted to these tests.\n\n\
+- **Bar** of 40 x 10 x 10 mm, f = 5 MPa, G = 20 J/m2, pulled apart at 0.1 m/s. Strength: largest mean tension over f. Energy: what it \
+has taken until 0.3 ms after it came in two, over G times its section.\n\
+- **Block** of 20 x 20 x 40 mm, c = 20 MPa, tan(phi) = 0.8, compressed at 0.5 m/s with a pressure on its sides. Strength: largest \
+axial stress over that of Mohr and Coulomb. Held: stress after a tenth more compression over the largest; 0.1 and below ends the run.\n\
+- **Opened**: double cantilever beam, arms 10 mm high and 2 mm wide, notch 30 mm from the load, G = 10 J/m2, f = 5 MPa, so that the \
+process zone E G/f2 is 8 mm long. A pressure of 10 MPa on the ends keeps the crack from turning into an arm (the stress along the beam \
+at the tip is the larger one there). Only nodes in the seam may crack at f, others at ten times that; a rough seam is not a plane of \
+the mesh.\n\
+- **Bent**: end-loaded split, halves 5 mm high, notch 24 mm, by sliding: G = 50 J/m2, c = 12 MPa, so that E G/c2 is 7 mm long.\n\
+- **Burst**: a bar stretched at a rate over c0 f3/(E2 G), c0 the speed of sound; strengths differ by up to a hundredth; mean of three \
+seeds. Length: of the pieces over E G/f2. Formula: 4.5/(1 + 0.77 r^(1/4) + 5.4 r^(3/4)), which the public code DynFrag1D has for Zhou, \
+Molinari and Ramesh (2006); the paper was not read. It sums up calculations in one dimension.\n\n\
+Opened and bent, released: J = -sum F u_z,x/b of the forces F across the beam at nodes of slope u_z,x (Rice 1968; Paris and Paris \
+1988), whatever the stiffness of the mesh, over G: the mean while the crack runs 5 mm (bent: 4 mm). Spread: standard deviation. Beam: \
+the same by the theory of beams, from load and way alone, without the length of the crack. Taken: what the broken facets of the seam \
+have dissipated over G times their area.\n\n\
+**Chosen in trials**, so that a crack runs in the seam: the set-ups of opened and bent, that is strength and energy, the pressure on the \
+ends, the notch, the speed, a local damping of 0.1, no self-contact, and the window of the mean. What they show is these set-ups, not \
+any beam.\n\n\
+**No convergence**: J of opened is near G at 0.7 mm as it falls from mesh to mesh. One more run, at 0.5 mm with the plane seam, gave \
+0.93; it is not in the table. Trials with other set-ups gave J/G up to 2.0 at 0.7 mm. J of bent is above G on all meshes. Facets in the \
+plane of the crack take less than G, the less the coarser the mesh.\n\n\
+**Causes, not tested**: a node at the tip is looked at by the mean stress around it, which includes what is open behind, so that too much \
+may have to be released, and the rest go into vibrations; and corners that open late are born with the traction that is left there, \
+which may be why facets take less than G. Both would shrink with the mesh, and be of opposite sign. Why bars that burst have longer pieces than the formula, \
+and why the bar's energy depends on the mesh, is not known.\n\n\
+**Not run**: the discs of the example (`disc`, the Brazilian test), six runs of hours in all (estimated). Nothing here speaks of them.\n\n";
 
 /// The values, a line for each run.
 fn table(output: &Output) -> String {
@@ -166,4 +224,64 @@ fn table(output: &Output) -> String {
         .map(|(run, values)| format!("| {run} | {} |\n", values.join(", ")))
         .collect();
     format!("| test | mesh | setting | results |\n| --- | --- | --- | --- |\n{rows}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(test: &str, mesh: &str, setting: &str, quantity: &str, value: &str) -> String {
+        format!("value\t{test}\t{mesh}\t{setting}\t{quantity}\t{value}\n")
+    }
+
+    #[test]
+    fn what_was_not_run_is_not_met() {
+        assert!(checks(&Output::default()).iter().all(|check| !check.met));
+        // One of the two seams.
+        let text = row(
+            "opened",
+            "0.70 mm, 9744 tetrahedra",
+            "plane",
+            "released",
+            "1",
+        );
+        let of_beams = |text: &str| checks(&Output::parse(text)).remove(4);
+        assert!(!of_beams(&text).met);
+        let rough = |value| {
+            row(
+                "opened",
+                "0.70 mm, 9744 tetrahedra",
+                "rough",
+                "released",
+                value,
+            )
+        };
+        assert!(of_beams(&(text.clone() + &rough("1.04"))).met);
+        assert!(!of_beams(&(text + &rough("1.06"))).met);
+    }
+
+    #[test]
+    fn the_ledger_is_that_of_the_worst_run_and_of_every_test() {
+        let of = |tests: &[&str]| {
+            let rows = tests
+                .iter()
+                .map(|test| row(test, "m", "s", "books", "-2e-5"));
+            let text = rows.collect::<String>() + &row("bar", "m", "t", "books", "1e-3");
+            checks(&Output::parse(&text)).pop().unwrap()
+        };
+        assert_eq!(of(&TESTS).measured, "0.001");
+        assert!(of(&TESTS).met);
+        assert!(!of(&TESTS[..4]).met);
+    }
+
+    #[test]
+    fn a_run_is_a_line_of_the_table() {
+        let text = row("bar", "8 x 2 x 2", "seed 1", "strength", "1.0155e0")
+            + &row("bar", "8 x 2 x 2", "seed 1", "books", "-2.9041e-5");
+        let table = table(&Output::parse(&text));
+        assert!(
+            table.ends_with("| bar | 8 x 2 x 2 | seed 1 | strength 1.016, books -2.904e-5 |\n"),
+            "{table}"
+        );
+    }
 }

@@ -47,7 +47,8 @@ pub(crate) struct Options {
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
 
-    /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv), fracture (bar.tsv, block.tsv, disc.tsv) or
+    /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv), fracture (bar.tsv, block.tsv, opened.tsv, bent.tsv,
+    /// burst.tsv) or
     /// boulders-deformable (rest.tsv, frozen.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of
     /// running it
     #[arg(long, value_name = "DIR")]
@@ -84,7 +85,7 @@ enum Case {
     Spheres,
     /// 288 deformable boulders dumped in the paper's bin: rest, time, the same bits
     BouldersDeformable,
-    /// Bars, blocks and discs that break, against closed forms
+    /// Bars, blocks and beams that break, against closed forms and a published formula
     Fracture,
     /// A bed of cylinders in a tube, against X-ray tomography
     XrayBed,

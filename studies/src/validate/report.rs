@@ -149,7 +149,7 @@ impl Report {
     fn told_rows(&self) -> String {
         let (count, name) = (self.rows.len(), self.name);
         if count > LONGEST_LIST {
-            return format!("The table of the {count} runs: [{name}.csv]({name}.csv).\n");
+            return format!("The {count} rows of the table: [{name}.csv]({name}.csv).\n");
         }
         let table = markdown_table(&self.columns, &self.rows);
         format!("{table}\nThe same as a file: [{name}.csv]({name}.csv).\n")

@@ -1,10 +1,17 @@
-//! Tests of strength with known results, for `cargo studies validate fracture`: nothing is fitted to them.
+//! Tests of strength with known results.
 //!
-//! Takes which test to run, and for discs the number of one of them, from 0. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
+//! `cargo studies validate fracture` runs all but `disc`, which takes hours. Takes which test to run, for discs the number of one of
+//! them, from 0, for beams the edge of one mesh, m. Prints lines of columns separated by tabs: `value`, test, mesh, setting,
+//! quantity, value.
 
 mod bar;
+mod beam;
+mod bent;
 mod block;
+mod burst;
 mod disc;
+mod mean;
+mod opened;
 mod setting;
 
 use std::error::Error;
@@ -20,7 +27,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             Some(one) => discs(&mut out, Some(one.parse()?)),
             None => discs(&mut out, None),
         },
-        _ => Err("say which: bar, block or disc".into()),
+        "opened" => opened(&mut out),
+        "bent" => bent(&mut out),
+        "burst" => bursts(&mut out),
+        _ => Err("say which: bar, block, disc, opened, bent or burst".into()),
     }
 }
 
@@ -98,6 +108,73 @@ fn discs(out: &mut impl Write, one: Option<usize>) -> Result<(), Box<dyn Error>>
             ("books", disc.books),
         ];
         print(out, ["disc", &mesh, &setting], &values)?;
+    }
+    Ok(())
+}
+
+/// Meshes of beams by their cells along the seam, m: those of a test, or the one that is asked for.
+fn meshes(usual: [f64; 3]) -> Result<Vec<f64>, Box<dyn Error>> {
+    match std::env::args().nth(2) {
+        Some(edge) => Ok(vec![edge.parse()?]),
+        None => Ok(usual.to_vec()),
+    }
+}
+
+/// Double cantilever beams: on each mesh the seam plane, then rough.
+fn opened(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for fine in meshes([1.4e-3, 1.0e-3, 0.7e-3])? {
+        for (setting, rough) in [("plane", false), ("rough", true)] {
+            let run = opened::open(fine, rough)?;
+            let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
+            let values = [
+                ("released", run.released.value()),
+                ("spread", run.released.spread()),
+                ("beam", run.beam.value()),
+                ("taken", run.taken),
+                ("books", run.books),
+            ];
+            print(out, ["opened", &mesh, setting], &values)?;
+        }
+    }
+    Ok(())
+}
+
+/// End-loaded splits.
+fn bent(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for fine in meshes([1.0e-3, 0.7e-3, 0.5e-3])? {
+        let run = bent::bend(fine)?;
+        let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
+        let values = [
+            ("released", run.released.value()),
+            ("spread", run.released.spread()),
+            ("beam", run.beam.value()),
+            ("taken", run.taken),
+            ("books", run.books),
+        ];
+        print(out, ["bent", &mesh, "plane"], &values)?;
+    }
+    Ok(())
+}
+
+/// Bars stretched at four rates, on three meshes, by three seeds of strengths.
+fn bursts(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for rate in [0.1, 1.0, 10.0, 100.0] {
+        for cells in [5, 7, 10] {
+            let (mut length, mut formula, mut books) = (0.0, 0.0, 0.0_f64);
+            for seed in [1.0, 2.0, 3.0] {
+                let burst = burst::stretch(rate, cells, seed)?;
+                length += burst.length / 3.0;
+                formula = burst.formula;
+                books = books.max(burst.books.abs());
+            }
+            let mesh = format!("{cells} cells by fragment");
+            let values = [
+                ("length", length),
+                ("over the formula", length / formula),
+                ("books", books),
+            ];
+            print(out, ["burst", &mesh, &format!("rate {rate}")], &values)?;
+        }
     }
     Ok(())
 }

@@ -15,6 +15,9 @@ use std::error::Error;
 /// Young's modulus, Pa.
 pub const YOUNG: f64 = 20e9;
 
+/// Poisson's ratio.
+pub const POISSON: f64 = 0.2;
+
 /// Density, kg/m³.
 pub const DENSITY: f64 = 2500.0;
 
@@ -58,6 +61,11 @@ pub fn shaken(cells: [u32; 3], size: &Vector3, seed: f64) -> Result<TetMesh, Box
 
 /// A world without gravity and without friction.
 pub fn world() -> Result<World, Box<dyn Error>> {
+    damped_world(0.0)
+}
+
+/// The same with a local damping.
+pub fn damped_world(local_damping: f64) -> Result<World, Box<dyn Error>> {
     let mut parameters = WorldParameters {
         gravity: Vector3::zeros(),
         sleeping: SleepParameters {
@@ -71,13 +79,14 @@ pub fn world() -> Result<World, Box<dyn Error>> {
         ..WorldParameters::default()
     };
     parameters.contact.friction = 0.0;
+    parameters.medium.local_damping = local_damping;
     Ok(World::new(parameters)?)
 }
 
 /// The elements of a body.
 pub fn model(mesh: &TetMesh, young: f64) -> Result<DeformableModel, Box<dyn Error>> {
     let region = MaterialRegion {
-        material: NeoHookean::new(young, 0.2)?.into(),
+        material: NeoHookean::new(young, POISSON)?.into(),
         density: DENSITY,
     };
     Ok(DeformableModel::new(mesh, Element::T4, vec![region], None)?)
@@ -91,8 +100,19 @@ pub fn add(
     fracture: Fracture,
     velocity: impl Fn(&Vector3) -> Vector3,
 ) -> Result<BodyId, Box<dyn Error>> {
+    let velocities: Vec<Vector3> = model.nodes().iter().map(velocity).collect();
+    add_moving(world, model, boundary, fracture, &velocities)
+}
+
+/// As [`add`], with the velocities of the nodes.
+pub fn add_moving(
+    world: &mut World,
+    model: DeformableModel,
+    boundary: Boundary,
+    fracture: Fracture,
+    velocities: &[Vector3],
+) -> Result<BodyId, Box<dyn Error>> {
     let places: Vec<Vector3> = model.nodes().to_vec();
-    let velocities: Vec<Vector3> = places.iter().map(velocity).collect();
     let id = world.add_model("specimen", model, ContactStiffness::Ratio(4.0))?;
     let spec = DeformableSpec {
         boundary,
@@ -100,7 +120,7 @@ pub fn add(
         ..DeformableSpec::at_rest(id, Pose::identity())
     };
     let body = world.add_deformable(spec)?;
-    world.set_nodes(body, &places, &velocities)?;
+    world.set_nodes(body, &places, velocities)?;
     Ok(body)
 }
 

@@ -152,7 +152,7 @@ impl World {
 
 impl Deformables {
     /// The model and the state of a body that is there.
-    pub(super) fn parts(&mut self, id: BodyId) -> (&Model, &mut State) {
+    pub(in crate::world) fn parts(&mut self, id: BodyId) -> (&Model, &mut State) {
         let state = &mut self.bodies[id as usize];
         (&self.models[state.model as usize], state)
     }

@@ -1,8 +1,9 @@
 //! Bodies that may break, and which cannot.
 
 use super::{CrackFacet, CrackState};
-use crate::error::SolveError;
+use crate::error::{SolveError, check};
 use crate::fracture::Fracture;
+use crate::world::World;
 use crate::world::deformables::{ContactStiffness, Model};
 use femdem_contact::{BodyId, Field};
 use femdem_fem::element::Element;
@@ -43,9 +44,8 @@ impl Breakable {
     pub fn new(model: &Model, fracture: Fracture, id: BodyId) -> Self {
         let mesh = model.model.mesh();
         let factors = Self::factors(mesh, &fracture, id);
-        let weakest = factors.iter().copied().fold(f64::INFINITY, f64::min);
         Self {
-            harmless: MARGIN * 2.0 * weakest * least(&fracture.strength) / model.stiffest(),
+            harmless: harmless(model, &fracture, &factors),
             fracture,
             points: (0..factors.len() as u32).collect(),
             factors,
@@ -100,6 +100,63 @@ impl Breakable {
 
     pub fn cracks(&self) -> Option<&CrackState> {
         self.cracks.as_deref()
+    }
+}
+
+/// The strain |FᵀF − I| below which no element fails.
+fn harmless(model: &Model, fracture: &Fracture, factors: &[f64]) -> f64 {
+    let weakest = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    MARGIN * 2.0 * weakest * least(&fracture.strength) / model.stiffest()
+}
+
+impl World {
+    /// Multiplies the strength of a body that may break at each of its nodes, beside the scatter that it has: seams that are weaker,
+    /// grips that hold. A crack begins where a node fails; its energy stays that of the [`Fracture`].
+    ///
+    /// # Errors
+    /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::CannotBreak`] for one that may not break or is
+    /// cracked already, [`SolveError::CannotAdapt`] for an [adaptive](crate::Adaptive) one,
+    /// [`SolveError::Parameter`] unless there is one factor for each node, positive and finite.
+    pub fn scale_strength(&mut self, id: BodyId, factors: &[f64]) -> Result<(), SolveError> {
+        self.known_deformable(id)?;
+        self.restored()?;
+        self.not_shared("changing the strength of bodies")?;
+        self.refuse_adaptive(Some(id), "the strength of its material", "factors of it")?;
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return Ok(());
+        };
+        let (model, state) = deformables.parts(id);
+        let refused = |found: &str| SolveError::CannotBreak {
+            needs: "a fracture and no crack yet to have its strength changed",
+            found: found.to_owned(),
+        };
+        let breakable = state.breakable.as_deref_mut();
+        let breakable = breakable.ok_or_else(|| refused("none"))?;
+        if breakable.cracks.is_some() {
+            return Err(refused("cracks"));
+        }
+        let (given, nodes) = (factors.len(), breakable.factors.len());
+        check(
+            "number of factors",
+            given as f64,
+            given == nodes,
+            "one for each node",
+        )?;
+        for &factor in factors {
+            check(
+                "factor of strength",
+                factor,
+                factor > 0.0,
+                "positive and finite",
+            )?;
+        }
+        for (own, factor) in breakable.factors.iter_mut().zip(factors) {
+            *own *= factor;
+        }
+        breakable.harmless = harmless(model, &breakable.fracture, &breakable.factors);
+        // Facets cut before are found again, where the strength is as low.
+        breakable.whole = None;
+        Ok(())
     }
 }
 
