@@ -19,7 +19,7 @@ const FEWEST: f64 = 5.0;
 /// Part of the wanted force by which the force may miss it while the wall stands still.
 const TOLERANCE: f64 = 1e-3;
 
-/// What a wall meets.
+/// What a wall meets: [`World::resistances`](crate::World::resistances).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resistance {
     /// Force with which the wall presses now, best without dashpots
