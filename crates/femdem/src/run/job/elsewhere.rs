@@ -51,7 +51,9 @@ impl Run {
         folder: &Path,
     ) -> Result<(), Error> {
         self.simulation.world = world;
-        self.scenario.check_step(self.time_step())?;
+        if self.simulation.world.steps() > 0 {
+            self.scenario.check_step(self.time_step())?;
+        }
         if self.simulation.world.time() >= self.scenario.duration {
             self.end_motion(Ending::Time);
         } else if may_rest && self.simulation.rest().at_rest {
