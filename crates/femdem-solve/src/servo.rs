@@ -25,9 +25,9 @@ pub struct Resistance {
     /// Force with which the wall presses now, best without dashpots
     /// ([`Load::static_part`](femdem_contact::Load::static_part)), N.
     pub force: f64,
-    /// Stiffness of what it touches, N/m ([`World::wall_stiffness`](crate::World::wall_stiffness)); 0 if it touches nothing.
+    /// Stiffness of what it touches, N/m; 0 if it touches nothing.
     pub stiffness: f64,
-    /// Elastic energy of what it presses, J ([`World::stored_energy`](crate::World::stored_energy)).
+    /// Elastic energy of what it presses, J.
     pub energy: f64,
 }
 

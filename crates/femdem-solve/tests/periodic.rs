@@ -3,7 +3,7 @@
 use crate::common::{D, DENSITY, at, half_edge, noise, pose, solid, turned, weightless};
 use femdem_contact::PeriodicCell;
 use femdem_mesh::nalgebra::{Matrix3, Vector3};
-use femdem_solve::{BodySpec, World, WorldParameters};
+use femdem_solve::{Alone, BodySpec, World, WorldParameters};
 
 #[expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 fn cube(sides: [f64; 3]) -> PeriodicCell {
@@ -102,7 +102,8 @@ fn a_compressed_ring_is_strained_evenly() {
     let mut world = World::new(weightless(1e6, 0.5, 0.0)).unwrap();
     let pitch = ring(&mut world, 1e-4 * D);
     world.step().unwrap();
-    let stiffness = world.cell_stiffness(0).unwrap();
+    let met = world.cell_resistance(&mut Alone).unwrap();
+    let stiffness = met.unwrap().stiffness[0];
     let before = (
         world.contacts()[0].normal_force,
         world.cell().unwrap().edges().m11,

@@ -14,7 +14,7 @@ fn against(direction: &Vector3, normal: &Vector3, [along, across]: [f64; 2]) -> 
 
 impl ContactBatch {
     /// What walls meet that are pushed along unit directions: the force with which each presses along it, without dashpots, N, and
-    /// the [stiffness](Self::wall_stiffness_of) of its contacts, N/m.
+    /// the stiffness of its contacts, N/m: the sum of k_n (n·d)² + k_t (1 - (n·d)²) with their normals n.
     pub fn pushes(&self, walls: &[(u32, Vector3)]) -> Vec<[ExactSum; 2]> {
         let mut sums = vec![<[ExactSum; 2]>::default(); walls.len()];
         let mut add = |wall: u32, force: &Vector3, stiffness: &dyn Fn(&Vector3) -> f64| {
@@ -73,8 +73,8 @@ impl ContactBatch {
         sums
     }
 
-    /// Stiffness of all contacts of two bodies against strains along the axes, as of
-    /// [`stiffness_along`](Self::stiffness_along), J.
+    /// Stiffness of all contacts of two bodies against strains along the axes, J: Σ (k_n n² + k_t (1 - n²)) l² with the components n
+    /// of the normal and l of the vector between the centroids along the axis.
     pub fn exact_stiffness(&self) -> [ExactSum; 3] {
         let part = self.deformable.as_deref();
         [0, 1, 2].map(|axis| {
@@ -89,7 +89,7 @@ impl ContactBatch {
     }
 
     /// The contacts whose B belongs to this batch.
-    fn booked_contacts(&self) -> impl Iterator<Item = &RigidContact> {
+    pub fn booked_contacts(&self) -> impl Iterator<Item = &RigidContact> {
         let contacts = self.rigid_contacts().into_iter();
         contacts.filter(|contact| !self.is_guest(contact.b))
     }

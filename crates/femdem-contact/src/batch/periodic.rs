@@ -4,6 +4,7 @@ use super::{ContactBatch, Snapshot};
 use crate::body_shape::BodyShape;
 use crate::contact::RigidContact;
 use crate::error::{ContactError, check};
+use crate::exact::ExactSum;
 use crate::periodic::{EdgeLoad, Space};
 use femdem_mesh::{Matrix3, PeriodicCell, Vector3};
 
@@ -61,23 +62,7 @@ impl ContactBatch {
     /// Σ f lᵀ over the contacts of two bodies, J, with the force f on B without dashpots and the vector l from the centroid of A
     /// to that of B (of a deformable body the mean of its nodes). Over the volume of a periodic cell this is the mean stress, positive in compression (Love 1927, Weber 1966).
     pub fn virial(&self) -> Matrix3 {
-        let rigid = self.between_bodies().map(RigidContact::moment_of_force);
-        let part = self.deformable.as_deref();
-        let soft = part.into_iter().flat_map(|part| part.virials());
-        rigid.sum::<Matrix3>() + soft.sum::<Matrix3>()
-    }
-
-    /// Stiffness of all contacts of two bodies against a strain along an axis, J: Σ (k_n n² + k_t (1 - n²)) l² with the
-    /// components n of the normal and l of the vector between the centroids along the axis.
-    pub fn stiffness_along(&self, axis: usize) -> f64 {
-        let rigid = self
-            .between_bodies()
-            .map(|contact| contact.stiffness_along(axis));
-        let part = self.deformable.as_deref();
-        let soft = part
-            .into_iter()
-            .flat_map(|part| part.stiffnesses_along(axis));
-        rigid.sum::<f64>() + soft.sum::<f64>()
+        Matrix3::from_iterator(self.exact_virial().iter().map(ExactSum::value))
     }
 
     /// Refuses a cell too small for its bodies, and walls that do not repeat themselves.

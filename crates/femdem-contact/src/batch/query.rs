@@ -4,7 +4,6 @@ use super::{BatchTotals, ContactBatch};
 use crate::contact::{BodyId, Load, Partner, RigidContact};
 use crate::motion::Motion;
 use crate::record::Contact;
-use femdem_mesh::Vector3;
 
 /// How far the points of a turning wall that bodies may meet are from its origin, over the farthest point of a body: bodies have
 /// skins.
@@ -77,22 +76,6 @@ impl ContactBatch {
             load += other;
         }
         load
-    }
-
-    /// Stiffness of a wall's contacts against its motion along a unit `direction`, N/m: the sum of k_n (n·d)² +
-    /// k_t (1 - (n·d)²) with their normals n.
-    pub fn wall_stiffness_of(&self, wall: u32, direction: &Vector3) -> f64 {
-        let against = |normal: &Vector3, stiffness: f64, tangential: f64| {
-            let along = normal.dot(direction).powi(2);
-            stiffness * along + tangential * (1.0 - along)
-        };
-        let thing = Partner::Wall(wall);
-        let rigid = self.rigid_contacts().into_iter().filter(|c| c.a == thing);
-        let rigid =
-            rigid.map(|c| against(&c.normal, c.foundation.stiffness, c.tangential_stiffness));
-        let soft = self.deformable_contacts().filter(|c| c.a == thing);
-        let soft = soft.map(|c| against(&c.normal, c.stiffness, c.tangential_stiffness));
-        rigid.chain(soft).sum()
     }
 
     /// Sums of the last update.

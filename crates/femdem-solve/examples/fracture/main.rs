@@ -9,6 +9,7 @@ mod beam;
 mod bent;
 mod block;
 mod burst;
+mod course;
 mod disc;
 mod mean;
 mod opened;
@@ -126,14 +127,7 @@ fn opened(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
         for (setting, rough) in [("plane", false), ("rough", true)] {
             let run = opened::open(fine, rough)?;
             let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
-            let values = [
-                ("released", run.released.value()),
-                ("spread", run.released.spread()),
-                ("beam", run.beam.value()),
-                ("taken", run.taken),
-                ("books", run.books),
-            ];
-            print(out, ["opened", &mesh, setting], &values)?;
+            print(out, ["opened", &mesh, setting], &run.values())?;
         }
     }
     Ok(())
@@ -144,14 +138,7 @@ fn bent(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     for fine in meshes([1.0e-3, 0.7e-3, 0.5e-3])? {
         let run = bent::bend(fine)?;
         let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
-        let values = [
-            ("released", run.released.value()),
-            ("spread", run.released.spread()),
-            ("beam", run.beam.value()),
-            ("taken", run.taken),
-            ("books", run.books),
-        ];
-        print(out, ["bent", &mesh, "plane"], &values)?;
+        print(out, ["bent", &mesh, "plane"], &run.values())?;
     }
     Ok(())
 }

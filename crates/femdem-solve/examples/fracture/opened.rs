@@ -1,7 +1,7 @@
 //! The double cantilever beam: its arms are pulled apart, and a crack runs along the seam between them.
 
 use super::beam::{Beam, Column, Seen};
-use super::mean::Mean;
+use super::course::{Course, Run};
 use super::setting::YOUNG;
 use femdem_fem::fracture::Strength;
 use femdem_mesh::{Point3, Vector3};
@@ -34,22 +34,6 @@ const END: f64 = 0.008;
 
 /// Time in which that has to be, s.
 const LIMIT: f64 = 3e-3;
-
-/// Steps from look to look.
-const LOOK: u32 = 20;
-
-/// What came out.
-pub struct Run {
-    pub tets: usize,
-    /// J over the energy of fracture while the crack runs.
-    pub released: Mean,
-    /// The same by the theory of beams, from load and opening.
-    pub beam: Mean,
-    /// What the broken facets of the seam have taken over G times their area.
-    pub taken: f64,
-    /// Relative error of the ledger.
-    pub books: f64,
-}
 
 /// J/m² of a cantilever: I = b h³/12, w = P a³/(3 E I), J = P² a²/(b E I) with the length a from the first.
 fn of_beam(seen: &Seen) -> f64 {
@@ -89,30 +73,15 @@ pub fn open(fine: f64, rough: bool) -> Result<Run, Box<dyn Error>> {
         let way = 1.0 - 1.5 * s + 0.5 * s.powi(3);
         Vector3::z() * if above { SPEED * way } else { -SPEED * way }
     };
-    let (mut world, body, tets) = beam.start(&driven, fracture, PRESSURE, swing)?;
-    let (mut released, mut by_beam) = (Mean::default(), Mean::default());
-    loop {
-        for _ in 0..LOOK {
-            world.step()?;
-        }
-        let seen = beam.see(&world, body, &columns)?;
-        let broken = beam.front(&world, body) - tip;
-        if broken > STEADY {
-            released.add(seen.released / ENERGY);
-            by_beam.add(of_beam(&seen) / ENERGY);
-        }
-        if broken > END {
-            break;
-        }
-        if world.time() > LIMIT {
-            return Err("the crack does not run".into());
-        }
-    }
-    Ok(Run {
-        tets,
-        released,
-        beam: by_beam,
-        taken: beam.taken(&world, body) / ENERGY,
-        books: world.ledger().error_relative(),
-    })
+    let started = beam.start(&driven, fracture, PRESSURE, swing)?;
+    let course = Course {
+        columns: &columns,
+        tip,
+        energy: ENERGY,
+        of_beam,
+        steady: STEADY,
+        end: END,
+        limit: LIMIT,
+    };
+    course.follow(&beam, started)
 }

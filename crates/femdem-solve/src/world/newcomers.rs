@@ -107,7 +107,7 @@ impl World {
             return 0.0;
         }
         let kind = |c: &&RigidContact| self.newcomers.kind(c.a, c.b);
-        let brought = sums(self.booked_contacts(), kind, |c| c.potential());
+        let brought = sums(self.batch.booked_contacts(), kind, |c| c.potential());
         self.book(brought);
         brought.iter().sum()
     }

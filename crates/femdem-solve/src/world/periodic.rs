@@ -148,13 +148,6 @@ impl World {
         Some(self.batch.virial() / volume)
     }
 
-    /// Stiffness of the periodic cell against a change of its length along an axis, if all bodies move with it, N/m; `None` if
-    /// space does not repeat itself along it.
-    pub fn cell_stiffness(&self, axis: usize) -> Option<f64> {
-        let cell = self.cell().filter(|cell| axis < 3 && cell.repeats(axis))?;
-        Some(self.batch.stiffness_along(axis) / cell.edges()[(axis, axis)].powi(2))
-    }
-
     /// The motion of space now, if it is deformed and a medium resists the motion against it.
     pub(super) fn resisting_stream(
         &self,

@@ -225,12 +225,6 @@ impl World {
         self.batch.rigid_contacts()
     }
 
-    /// Those on the books of this rank.
-    pub(super) fn booked_contacts(&self) -> impl Iterator<Item = &RigidContact> {
-        let contacts = self.batch.rigid_contacts().into_iter();
-        contacts.filter(|contact| !self.is_guest(contact.b))
-    }
-
     /// The walls with their indices, ascending. The indices have gaps once walls were [removed](Self::remove_wall).
     pub fn walls(&self) -> impl Iterator<Item = (u32, &WallShape)> {
         self.batch.walls()
@@ -260,19 +254,13 @@ impl World {
 
     /// Elastic energy of the recorded contacts and that of their attraction, without that of friction springs, of the deformable bodies, and of bonds, J.
     pub fn stored_energy(&self) -> f64 {
-        let rigid = self.booked_contacts().map(RigidContact::potential);
+        let rigid = self.batch.booked_contacts().map(RigidContact::potential);
         let soft = self.deformable_totals().map(|totals| totals.energy);
         let strain = self.deformables().map(|body| {
             let cracks = body.cracks().map_or(0.0, |cracks| cracks.stored());
             body.internal().energy + cracks
         });
         rigid.chain(soft).chain(strain).sum::<f64>() + self.batch.stored_in_bonds(None)
-    }
-
-    /// Stiffness of a wall's recorded contacts against its motion along a unit `direction`, N/m.
-    pub fn wall_stiffness(&self, wall: u32, direction: &Vector3) -> Option<f64> {
-        self.batch.wall(wall)?;
-        Some(self.batch.wall_stiffness_of(wall, direction))
     }
 
     /// The load on a rigid body, about its centroid, from all its recorded contacts.
@@ -335,7 +323,7 @@ impl World {
 
     /// The energy ledger now.
     pub fn ledger(&self) -> Ledger {
-        let contacts: Vec<&RigidContact> = self.booked_contacts().collect();
+        let contacts: Vec<&RigidContact> = self.batch.booked_contacts().collect();
         let soft = self.deformable_totals();
         let friction_springs = contacts.iter().map(|c| c.spring_energy).sum::<f64>()
             + soft.map_or(0.0, |t| t.spring_energy);

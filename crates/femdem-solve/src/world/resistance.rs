@@ -13,7 +13,7 @@ use femdem_mesh::{Matrix3, Vector3};
 pub struct CellResistance {
     /// As [`World::cell_stress`], Pa.
     pub stress: Matrix3,
-    /// As [`World::cell_stiffness`], along each axis, N/m.
+    /// Against a change of its length along each axis, if all bodies move with it, N/m.
     pub stiffness: [f64; 3],
     /// Elastic energy of what it presses, J.
     pub energy: f64,
