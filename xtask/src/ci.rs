@@ -19,7 +19,7 @@ struct Step {
 ///
 /// The commands without a package option act on the default members, which are the crates of
 /// `crates/` but the bindings: there, `--no-default-features` builds the serial code paths.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     Step {
         name: "format",
         arguments: "fmt --all --check",
@@ -37,7 +37,7 @@ const STEPS: [Step; 10] = [
         arguments: "fmt --manifest-path crates/femdem-mpi/Cargo.toml --check",
         environment: &[],
     },
-    // The lock files of these two fit what their packages and the crates here depend on.
+    // The lock files of the separate workspaces fit what their packages and the crates here depend on.
     Step {
         name: "lock file of the peers",
         arguments: "update --workspace --locked --quiet --manifest-path benches/peers/Cargo.toml",
@@ -46,6 +46,11 @@ const STEPS: [Step; 10] = [
     Step {
         name: "lock file of the ranks",
         arguments: "update --workspace --locked --quiet --manifest-path crates/femdem-mpi/Cargo.toml",
+        environment: &[],
+    },
+    Step {
+        name: "lock file of the fuzz targets",
+        arguments: "update --workspace --locked --quiet --manifest-path fuzz/Cargo.toml",
         environment: &[],
     },
     Step {
