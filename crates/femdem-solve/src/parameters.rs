@@ -67,7 +67,8 @@ pub struct TimeStepParameters {
 /// linearly from there: one Newton step of the backward Euler method. The step can be many times the
 /// explicit one; in turn it takes energy from all motion that it does not resolve: impacts and
 /// vibrations shorter than a few steps. Small steps give the motion of explicit ones: the law of the contacts is the
-/// same. Large ones are meant for bringing bodies to rest, not for impacts, waves or vibrations.
+/// same. Large ones are meant for bringing bodies to rest, not for impacts, waves or vibrations. No body moves by more than
+/// 3 % of its bounding diameter in a step; a smaller one is taken then.
 /// The elastic energy of the [`Ledger`](crate::Ledger) is that of the contacts where they were evaluated, so that its error tells
 /// something once the bodies are at rest.
 /// For rigid bodies without [local damping](Medium::local_damping) and rolling friction.
@@ -76,68 +77,34 @@ pub struct TimeStepParameters {
 pub struct ImplicitStep {
     /// The step over the explicit limit of one contact over a full face of the smallest body.
     pub multiple: f64,
-    /// Most that a body may move in a step, over its bounding diameter; a smaller step is taken then.
-    pub reach: f64,
     /// Longest step over sqrt(d/g), the time in which a body falls by half its diameter d. Twice the default will do
     /// where nothing falls.
     pub fall: f64,
-    /// Relative tolerance of the last linear system of a step. The earlier ones, which decide which contacts
-    /// stick, slide or open, use three times this value.
-    pub tolerance: f64,
-    /// Most rounds of conjugate gradients for a linear system.
-    pub rounds: u32,
-    /// Most linear systems in a step: after each the friction follows its bound, and contacts
-    /// that would pull are left out. More follow where one left out closes.
-    pub systems: u32,
 }
 
 impl Default for ImplicitStep {
     fn default() -> Self {
         Self {
             multiple: 9.0,
-            reach: 0.03,
             fall: 0.01,
-            tolerance: 3e-3,
-            rounds: 100,
-            systems: 3,
         }
     }
 }
 
 impl ImplicitStep {
     fn validate(&self) -> Result<(), SolveError> {
-        let positive = |x: f64| x > 0.0;
         check(
             "time_step.implicit.multiple",
             self.multiple,
-            positive(self.multiple),
+            self.multiple > 0.0,
             "positive and finite; 9 is usual",
-        )?;
-        check(
-            "time_step.implicit.reach",
-            self.reach,
-            positive(self.reach) && self.reach <= 0.1,
-            "above 0 and at most 0.1",
         )?;
         check(
             "time_step.implicit.fall",
             self.fall,
-            positive(self.fall) && self.fall <= 0.02,
+            self.fall > 0.0 && self.fall <= 0.02,
             "above 0 and at most 0.02: longer steps have not been tried",
-        )?;
-        check(
-            "time_step.implicit.tolerance",
-            self.tolerance,
-            positive(self.tolerance) && self.tolerance <= 0.01,
-            "above 0 and at most 0.01: bodies fly apart with a larger one",
-        )?;
-        for (name, count) in [
-            ("time_step.implicit.rounds", self.rounds),
-            ("time_step.implicit.systems", self.systems),
-        ] {
-            check(name, f64::from(count), count >= 1, "at least 1")?;
-        }
-        Ok(())
+        )
     }
 }
 

@@ -92,7 +92,6 @@ impl Packing {
                 implicit: Some(ImplicitStep {
                     fall: LONGEST_STEP,
                     multiple: asked.multiple.min(LARGEST_MULTIPLE),
-                    ..asked
                 }),
                 ..time_step
             })?;

@@ -31,8 +31,19 @@ use link::Link;
 use system::{Inertia, System};
 use twist::Twist;
 
-/// Tolerance of the solutions that only decide the state of the contacts, over that of the last.
-const ROUGH: f64 = 3.0;
+/// Most that a body may move in a step, over its bounding diameter.
+const REACH: f64 = 0.03;
+
+/// Relative tolerance of the linear systems: of those that only decide which contacts stick, slide or open, and of the last. With more
+/// than 0.01 bodies fly apart.
+const TOLERANCES: [f64; 2] = [3.0 * 3e-3, 3e-3];
+
+/// Most rounds of conjugate gradients for a system.
+const ROUNDS: u32 = 100;
+
+/// Most systems in a step: after each the friction follows its bound, and contacts that would pull are left out. More follow
+/// where one left out closes.
+const SYSTEMS: u32 = 3;
 
 /// A free body before the step.
 struct Before {
@@ -84,7 +95,7 @@ impl World {
         }
         self.check_step(dt)?;
         let before = self.look_ahead(since, dt, halo)?;
-        let wrenches = self.answer_contacts(dt, &before, rule)?;
+        let wrenches = self.answer_contacts(dt, &before)?;
         for (k, (before, wrench)) in before.iter().zip(&wrenches).enumerate() {
             let i = self.awake[k] as usize;
             if self.bodies[i].driven.is_none() {
@@ -166,8 +177,8 @@ impl World {
             if driving.is_any() {
                 speed += driving.met(&body.position, body.radius);
             }
-            if body.driven.is_none() && speed * most > 2.0 * rule.reach * body.radius {
-                most = 2.0 * rule.reach * body.radius / speed;
+            if body.driven.is_none() && speed * most > 2.0 * REACH * body.radius {
+                most = 2.0 * REACH * body.radius / speed;
             }
         }
         halo.least(std::slice::from_mut(&mut most))?;
@@ -180,7 +191,6 @@ impl World {
         &mut self,
         dt: f64,
         before: &[Before],
-        rule: &ImplicitStep,
     ) -> Result<Vec<Option<Wrench>>, SolveError> {
         let mut members = Vec::new();
         let mut bodies = Vec::new();
@@ -217,7 +227,7 @@ impl World {
             });
             system.inertias.push(inertia);
         }
-        let mut x = self.solve_contacts(&mut system, &others, rule);
+        let mut x = self.solve_contacts(&mut system, &others);
         let mut sums = vec![Twist::default(); members.len()];
         let answer = |link: &Link| link.answer(&x, &mut sums);
         let forces: Vec<ContactForce> = system.links.iter().map(answer).collect();
@@ -248,22 +258,18 @@ impl World {
     /// Solves the system until friction, rocking and parting contacts agree with the solution, or up to the
     /// largest number of systems, and then until no excluded contact closes. Returns the changes of the
     /// velocities.
-    fn solve_contacts(
-        &mut self,
-        system: &mut System,
-        others: &[Twist],
-        rule: &ImplicitStep,
-    ) -> Vec<Twist> {
+    fn solve_contacts(&mut self, system: &mut System, others: &[Twist]) -> Vec<Twist> {
+        let [rough, last] = TOLERANCES;
         // Links that part later stay in the preconditioner, which need not be exact.
         let inverses = system.inverse_blocks();
         let mut x = vec![Twist::default(); others.len()];
         let mut solve = |system: &System, x: &mut [Twist], tolerance: f64| {
-            let rounds = system.solve(&inverses, others.to_vec(), x, tolerance, rule.rounds);
+            let rounds = system.solve(&inverses, others.to_vec(), x, tolerance, ROUNDS);
             self.counters.linear_systems += 1;
             self.counters.linear_rounds += u64::from(rounds);
         };
-        for _ in 1..rule.systems {
-            solve(system, &mut x, ROUGH * rule.tolerance);
+        for _ in 1..SYSTEMS {
+            solve(system, &mut x, rough);
             let mut changed = false;
             for link in &mut system.links {
                 changed |= link.follow(&x);
@@ -273,7 +279,7 @@ impl World {
             }
         }
         loop {
-            solve(system, &mut x, rule.tolerance);
+            solve(system, &mut x, last);
             // If an excluded contact closes, its spring would act explicitly, far beyond the stability limit.
             let mut closed = false;
             for link in &mut system.links {
