@@ -3,6 +3,7 @@
 use crate::applied::AppliedLoad;
 use crate::error::{SolveError, check};
 use crate::guide::Guide;
+use crate::rest::RestRecord;
 use femdem_contact::{
     BodyShape, ConvexShape, Field, FieldMesh, Frame, MaterialId, Motion, Sphere, Wrench,
 };
@@ -177,23 +178,6 @@ pub(crate) fn check_velocities(
     check("angular_velocity", angular_velocity.norm(), true, allowed)
 }
 
-/// Running means of a body. What rings has no mean; a lasting imbalance or motion has.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub(crate) struct Means {
-    /// Net force, N.
-    pub force: Vector3,
-    /// Net moment, N m.
-    pub moment: Vector3,
-    /// m/s.
-    pub velocity: Vector3,
-    /// rad/s.
-    pub angular_velocity: Vector3,
-    /// Steps that the means are taken over, at most the window.
-    pub samples: u32,
-    /// Contacts when the body was last looked at.
-    pub contacts: u32,
-}
-
 /// The state of a rigid body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Body {
@@ -214,10 +198,8 @@ pub(crate) struct Body {
     pub travelled: f64,
     /// Bounding radius, m.
     pub radius: f64,
-    /// Steps at rest in a row.
-    pub quiet_steps: u32,
     /// What the active set judges by.
-    pub means: Means,
+    pub rest: RestRecord,
     /// External load; what of it follows the body is in principal axes. `None`: none.
     load: Option<Box<AppliedLoad>>,
     /// Prescribed motion, with the pose of the principal axes that it counts from.
@@ -237,8 +219,7 @@ impl Body {
             momentum: Vector3::zeros(),
             travelled: 0.0,
             radius: 1.0,
-            quiet_steps: 0,
-            means: Means::default(),
+            rest: RestRecord::default(),
             load: None,
             driven: None,
         }
@@ -277,8 +258,7 @@ impl Body {
             momentum: body_rate.component_mul(&moments),
             travelled: 0.0,
             radius,
-            quiet_steps: 0,
-            means: Means::default(),
+            rest: RestRecord::default(),
             load: None,
             driven: None,
         })

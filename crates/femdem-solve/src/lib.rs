@@ -184,6 +184,7 @@ mod guide;
 mod halo;
 mod ledger;
 mod parameters;
+mod rest;
 mod rotation;
 mod servo;
 mod world;

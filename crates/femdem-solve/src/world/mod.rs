@@ -20,6 +20,7 @@ mod resistance;
 mod restart;
 mod stability;
 mod step;
+mod stop;
 mod stored;
 mod time_step;
 

@@ -8,7 +8,7 @@
 mod residual;
 
 use super::World;
-use super::deformables::{Deformables, State, centroid, foundation};
+use super::deformables::{Deformables, State, centroid, foundation, inertia};
 use super::periodic::check_rests;
 use crate::error::{SolveError, check};
 use femdem_contact::{ContactBatch, stable_step};
@@ -264,14 +264,15 @@ impl World {
         options: &WorldRelaxation,
         report: &mut WorldRelaxed,
     ) -> Result<(), SolveError> {
-        let count = self.deformables.as_deref().map_or(0, |d| d.bodies.len());
-        let mut before = vec![0.0; count];
-        let mut rigid = 0.0;
         for round in 1.. {
             for _ in 0..LOOK {
                 self.step()?;
                 report.steps[1] += 1;
-                report.stops += self.stop_at_peaks(&mut before, &mut rigid);
+                report.stops += self.stop_deformables_at_peaks();
+                if self.is_slowing() {
+                    self.stop_rigid();
+                    report.stops += 1;
+                }
             }
             let of_wholes = self.measure(report);
             let spent = report.steps.iter().sum::<u64>() >= options.steps;
@@ -283,59 +284,10 @@ impl World {
         Ok(())
     }
 
-    /// Stops the bodies whose kinetic energy has begun to fall, and returns their number.
-    fn stop_at_peaks(&mut self, before: &mut [f64], rigid: &mut f64) -> u64 {
-        let mut stops = 0;
-        let Self {
-            deformables, flows, ..
-        } = self;
-        if let Some(deformables) = deformables {
-            let Deformables { models, bodies, .. } = deformables.as_mut();
-            for (body, before) in bodies.iter_mut().zip(before) {
-                let energy = body.kinetic_energy(models[body.model as usize].model.masses());
-                if energy < *before {
-                    flows.frozen += energy - body.held_energy;
-                    body.halt();
-                    *before = 0.0;
-                    stops += 1;
-                } else {
-                    *before = energy;
-                }
-            }
-        }
-        let energy = self.free_bodies().map(|(_, b)| b.kinetic_energy()).sum();
-        if energy < *rigid {
-            self.halt_rigid();
-            *rigid = 0.0;
-            stops += 1;
-        } else {
-            *rigid = energy;
-        }
-        stops
-    }
-
     /// Stops all free bodies and nodes.
     fn halt(&mut self) {
-        if let Some(deformables) = &mut self.deformables {
-            let Deformables { models, bodies, .. } = deformables.as_mut();
-            for body in bodies {
-                let masses = models[body.model as usize].model.masses();
-                self.flows.frozen += body.kinetic_energy(masses) - body.held_energy;
-                body.halt();
-            }
-        }
-        self.halt_rigid();
-    }
-
-    fn halt_rigid(&mut self) {
-        for (body, motion) in self.bodies.iter_mut().zip(&mut self.motions) {
-            if body.driven.is_none() {
-                self.flows.frozen += body.kinetic_energy();
-                body.velocity = Vector3::zeros();
-                body.momentum = Vector3::zeros();
-                *motion = body.motion();
-            }
-        }
+        self.stop_deformables();
+        self.stop_rigid();
     }
 
     /// Whether anything of a deformable body is prescribed, or the body was removed.
@@ -360,11 +312,7 @@ impl Deformables {
         let model = &self.models[body.model as usize];
         let shape = &batch.deformable_shapes()[body.model as usize];
         let (masses, centre) = (self.masses(body), self.centre(body));
-        let mut inertia = Matrix3::zeros();
-        for (x, m) in body.positions.iter().zip(masses) {
-            let r = x - centre;
-            inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * *m;
-        }
+        let inertia = inertia(&body.positions, masses, &centre);
         let modulus = batch.modulus(i as u32);
         let foundation = modulus.map_or(0.0, |modulus| foundation(shape, modulus));
         let inverse_inertia = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
@@ -449,20 +397,5 @@ impl Deformables {
             *v = whole.velocity + whole.turning.cross(&arm);
         }
         body.kinetic_energy(masses)
-    }
-}
-
-impl State {
-    /// Stops the nodes that are not prescribed.
-    fn halt(&mut self) {
-        let held: Vec<(u32, usize)> = self.boundary.held().collect();
-        let kept: Vec<f64> = held
-            .iter()
-            .map(|&(a, i)| self.velocities[a as usize][i])
-            .collect();
-        self.velocities.fill(Vector3::zeros());
-        for (&(a, i), v) in held.iter().zip(kept) {
-            self.velocities[a as usize][i] = v;
-        }
     }
 }

@@ -117,7 +117,7 @@ impl World {
             body.driven = Some(Box::new((guide, driven.base_of(&place))));
             body.follow(&driven, &place);
         }
-        body.quiet_steps = 0;
+        body.rest.quiet_steps = 0;
         self.flows.work_in += body.energy(&gravity) - before;
         self.motions[i] = body.motion();
         let contact = &self.batch.shapes()[body.shape as usize];

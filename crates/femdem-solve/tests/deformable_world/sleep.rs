@@ -324,10 +324,10 @@ fn bodies_sleep_between_taps() {
     }
 }
 
-/// A new rule starts its own spell: a body that slides without friction keeps sliding, at whichever step the
-/// rule is replaced by one of shorter spells.
+/// A new rule judges anew: a body that slides without friction keeps sliding, at whichever step the
+/// rule is replaced by one of a shorter window.
 #[test]
-fn a_new_rule_begins_new_spells() {
+fn a_new_rule_judges_anew() {
     let mut p = sleepy();
     p.contact.friction = 0.0;
     let mut world = column_with(p, Element::T4, &[0.001]);

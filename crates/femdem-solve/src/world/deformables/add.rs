@@ -220,6 +220,20 @@ pub(in crate::world) fn centroid(positions: &[Vector3], masses: &[f64]) -> Vecto
     sum / masses.iter().sum::<f64>()
 }
 
+/// Tensor of inertia about the centre of mass, kg m^2.
+pub(in crate::world) fn inertia(
+    positions: &[Vector3],
+    masses: &[f64],
+    centre: &Vector3,
+) -> Matrix3 {
+    let mut inertia = Matrix3::zeros();
+    for (x, m) in positions.iter().zip(masses) {
+        let r = x - centre;
+        inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * *m;
+    }
+    inertia
+}
+
 /// Young's modulus of the stiffest material at no strain, Pa; NaN if a law has no tangent there.
 fn stiffest(model: &DeformableModel) -> f64 {
     let regions = model.regions().iter();

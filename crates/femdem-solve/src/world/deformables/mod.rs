@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) use adaptive::Adaptives;
 pub(super) use adaptive::check_laws;
 pub use adaptive::{Adaptive, Fidelity, FidelityChange};
-pub(super) use add::centroid;
+pub(super) use add::{centroid, inertia};
 pub use fracture::{CrackFacet, Cracks, Fragmentation};
 pub use query::Deformable;
 use rest::Rest;

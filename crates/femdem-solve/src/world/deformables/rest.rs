@@ -1,23 +1,22 @@
 //! The active set of deformable bodies: which are frozen, and when they wake.
 //!
-//! A body rests when over a spell its nodes have hardly moved, their kinetic energy stayed small, and the
-//! means of net force and moment, taken from the changes of its momentum and angular momentum, were small.
-//! Its remaining oscillations are then removed by kinetic damping: it is stopped whenever its kinetic energy
-//! begins to fall, which for a single mode of vibration is at equilibrium. If the residual forces on its
-//! nodes are small then, it stays frozen: only its contacts with awake bodies are computed. It wakes when
-//! these leave a residual of twice the tolerance. Smaller changes are not transferred.
+//! Whether a body rests as a whole is judged by the [rule](crate::rest) for all bodies. Its remaining oscillations are then removed
+//! by kinetic damping: it is stopped whenever its kinetic energy begins to fall, which for a single mode of vibration is at
+//! equilibrium. If the residual forces on its nodes are small then, it stays frozen: only its contacts with awake bodies are
+//! computed. It wakes when these leave a residual of twice the tolerance. Smaller changes are not transferred.
 //!
 //! All decisions are functions of the state, so they are the same in every run.
 
 use super::each::on_each_with;
-use super::{Deformables, Scratch, State, centroid};
+use super::{Deformables, Scratch, State, centroid, inertia};
 use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::parameters::WorldParameters;
+use crate::rest::{RestRecord, Whole};
 use crate::world::World;
 use femdem_contact::ContactBatch;
 use femdem_fem::{Boundary, DeformableModel};
-use femdem_mesh::Vector3;
+use femdem_mesh::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// A frozen body wakes when its imbalance exceeds the tolerance by this factor.
@@ -28,26 +27,10 @@ const WAKE: f64 = 2.0;
 pub(crate) struct Rest {
     /// Whether it is frozen.
     pub asleep: bool,
-    /// Steps of the present spell.
-    steps: u32,
+    /// Whether it rests as a whole.
+    whole: RestRecord,
     /// Kinetic energy at the end of the last step, J.
     energy: f64,
-    /// State of the body at the beginning of the present spell.
-    start: Start,
-}
-
-/// A body at the beginning of a spell.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-struct Start {
-    /// s.
-    time: f64,
-    /// m; empty before the first spell.
-    positions: Vec<Vector3>,
-    centre: Vector3,
-    /// kg m/s.
-    momentum: Vector3,
-    /// About the centre, kg m^2/s.
-    angular_momentum: Vector3,
 }
 
 /// Change of a body at the end of a step.
@@ -115,6 +98,35 @@ impl World {
         self.tell_rest(halo)
     }
 
+    /// Stops the deformable bodies that pass their equilibrium, but for what moves as prescribed, and returns their number.
+    pub(in crate::world) fn stop_deformables_at_peaks(&mut self) -> u64 {
+        self.stop_deformables_that(Rest::has_passed)
+    }
+
+    /// Stops all deformable bodies, but for what moves as prescribed.
+    pub(in crate::world) fn stop_deformables(&mut self) {
+        self.stop_deformables_that(|_, _| true);
+    }
+
+    /// Stops those for which a function of their kinetic energy, J, holds.
+    fn stop_deformables_that(&mut self, holds: impl Fn(&mut Rest, f64) -> bool) -> u64 {
+        let Some(deformables) = self.deformables.as_deref_mut() else {
+            return 0;
+        };
+        let Deformables { models, bodies, .. } = deformables;
+        let mut stops = 0;
+        for body in bodies {
+            let energy = body.kinetic_energy(models[body.model as usize].model.masses());
+            if holds(&mut body.rest, energy) {
+                self.flows.frozen += energy - body.held_energy;
+                body.stop_free_nodes();
+                body.rest.energy = 0.0;
+                stops += 1;
+            }
+        }
+        stops
+    }
+
     /// Number of deformable bodies that are not frozen.
     #[must_use]
     pub fn awake_deformable_count(&self) -> usize {
@@ -133,6 +145,13 @@ impl Rest {
     }
 }
 
+impl Rest {
+    /// Whether the body passes its equilibrium: its kinetic energy, J, has fallen since it was last asked for.
+    fn has_passed(&mut self, energy: f64) -> bool {
+        energy < std::mem::replace(&mut self.energy, energy)
+    }
+}
+
 impl Deformables {
     /// Wakes a body.
     pub(in crate::world) fn wake(&mut self, i: usize, batch: &mut ContactBatch) {
@@ -144,7 +163,7 @@ impl Deformables {
         }
     }
 
-    /// Wakes all bodies; awake ones start a new spell.
+    /// Wakes all bodies; awake ones are judged anew.
     pub(in crate::world) fn wake_all(&mut self, batch: &mut ContactBatch) {
         for i in 0..self.bodies.len() {
             self.wake(i, batch);
@@ -185,27 +204,46 @@ impl Judge<'_> {
     fn watch(&self, state: &State) -> Change {
         let limit = WAKE * self.parameters.sleeping.tolerance;
         let is_stirred = !state.is_vacant() && self.batch.is_stirred(self.body);
-        if is_stirred && self.imbalance(state) > limit {
+        if is_stirred && self.imbalance(state, &self.whole(state, 0.0)) > limit {
             Change::Awake
         } else {
             Change::None
         }
     }
 
-    /// The larger of the weight and half the sum of the contact forces, N.
-    fn load_scale(&self, state: &State) -> f64 {
+    /// The body as the rule of rest sees it. Its angular velocity is that of a rigid body of its shape and angular momentum.
+    fn whole(&self, state: &State, kinetic_energy: f64) -> Whole {
+        let masses = self.model.masses();
+        let (mass, centre) = (masses.iter().sum(), centroid(&state.positions, masses));
         let loads = state.contact_loads(self.batch, self.body);
-        let borne: f64 = loads.forces.iter().map(Vector3::norm).sum();
-        let mass: f64 = self.model.masses().iter().sum();
-        f64::max(0.5 * borne, mass * self.parameters.gravity.norm())
+        let contacts = loads.forces.iter().zip(loads.damping);
+        let gravity = self.parameters.gravity + state.pull;
+        let (mut force, mut moment, mut borne) = (gravity * mass, Vector3::zeros(), 0.0);
+        for ((all, damping), x) in contacts.zip(&state.positions) {
+            let contact = all - damping;
+            force += contact;
+            moment += (x - centre).cross(&contact);
+            borne += all.norm();
+        }
+        let inertia = inertia(&state.positions, masses, &centre);
+        let turning = state.angular_momentum(masses, &centre);
+        let inverse = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
+        Whole {
+            mass,
+            moment_of_inertia: inertia.symmetric_eigenvalues().max(),
+            diameter: 2.0 * self.batch.deformable_shapes()[state.model as usize].radius(),
+            weight: mass * self.parameters.gravity.norm(),
+            contacts: u32::from(self.batch.touches(self.body)),
+            borne,
+            force,
+            moment,
+            velocity: state.momentum(masses) / mass,
+            angular_velocity: inverse * turning,
+            kinetic_energy,
+        }
     }
 
-    /// m.
-    fn diameter(&self, state: &State) -> f64 {
-        2.0 * self.batch.deformable_shapes()[state.model as usize].radius()
-    }
-
-    /// Updates the spell of an awake body, and stops the body if it rests.
+    /// Judges an awake body, and stops it where it passes its equilibrium if it rests as a whole.
     fn settle(
         &self,
         rest: &mut Rest,
@@ -213,30 +251,18 @@ impl Judge<'_> {
         scratch: &mut Scratch,
     ) -> Result<Change, SolveError> {
         let rule = &self.parameters.sleeping;
-        let spell = rule.window.saturating_add(rule.steps());
         let energy = state.kinetic_energy(self.model.masses());
-        let before = std::mem::replace(&mut rest.energy, energy);
-        let may_rest = !self.driven && self.batch.touches(self.body) && state.boundary.is_free();
-        let scale = self.load_scale(state) * self.diameter(state);
-        if !may_rest || energy.is_nan() || energy >= rule.ringing() * scale {
-            rest.steps = 0;
+        let has_passed = rest.has_passed(energy);
+        let whole = self.whole(state, energy);
+        let may_rest = !self.driven && state.boundary.is_free();
+        rest.whole.count(&whole, rule, may_rest);
+        if !rest.whole.has_rested(rule) || !has_passed {
             return Ok(Change::None);
         }
-        rest.steps = rest.steps.saturating_add(1);
-        let is_new = rest.steps == 1 || rest.steps > spell.saturating_mul(2);
-        if is_new || (rest.steps == spell && !self.has_rested(&rest.start, state, scale)) {
-            rest.steps = 1;
-            rest.start = self.start(state);
-            return Ok(Change::None);
-        }
-        if rest.steps < spell || energy >= before {
-            return Ok(Change::None);
-        }
-        state.velocities.fill(Vector3::zeros());
-        state.fastest = 0.0;
+        state.stop();
         state.strain(self.model, scratch, self.time, false)?;
         rest.energy = 0.0;
-        if self.imbalance(state) < rule.tolerance {
+        if self.imbalance(state, &whole) < rule.tolerance {
             rest.asleep = true;
             state.internal.viscous_power = 0.0;
             state.internal.plastic_work = 0.0;
@@ -245,56 +271,35 @@ impl Judge<'_> {
         Ok(Change::Stopped(energy))
     }
 
-    fn start(&self, state: &State) -> Start {
-        let masses = self.model.masses();
-        let centre = centroid(&state.positions, masses);
-        Start {
-            time: self.time,
-            positions: state.positions.clone(),
-            centre,
-            momentum: state.momentum(masses),
-            angular_momentum: state.angular_momentum(masses, &centre),
-        }
-    }
-
-    /// Whether a body has rested since the beginning of a spell. `scale` is its load scale times its diameter, J.
-    fn has_rested(&self, start: &Start, state: &State, scale: f64) -> bool {
-        let (rule, masses) = (&self.parameters.sleeping, self.model.masses());
-        let time = self.time - start.time;
-        let nodes = state.positions.iter().zip(&start.positions);
-        let creep: f64 = nodes
-            .zip(masses)
-            .map(|((x, y), m)| 0.5 * m * (x - y).norm_squared() / (time * time))
-            .sum();
-        let diameter = self.diameter(state);
-        let force = (state.momentum(masses) - start.momentum).norm() / time;
-        let turning = state.angular_momentum(masses, &start.centre);
-        let moment = (turning - start.angular_momentum).norm() / time;
-        let bound = rule.tolerance * scale;
-        creep < rule.creep() * scale && force * diameter < bound && moment < bound
-    }
-
     /// Imbalance of a body at rest, the largest of: the sum of |residual| over its nodes over the sum of
-    /// |external force|; the net residual force over the load scale; its moment over the load scale times the
-    /// diameter.
-    fn imbalance(&self, state: &State) -> f64 {
+    /// |external force|; the net force over the load scale; its moment over the load scale times the diameter.
+    fn imbalance(&self, state: &State, whole: &Whole) -> f64 {
         let (gravity, masses) = (self.parameters.gravity + state.pull, self.model.masses());
-        let centre = centroid(&state.positions, masses);
         let loads = state.contact_loads(self.batch, self.body);
         let contacts = loads.forces.iter().zip(loads.damping);
-        let nodes = state.strain_forces.iter().zip(masses).zip(&state.positions);
+        let nodes = state.strain_forces.iter().zip(masses);
         let (mut left, mut borne) = (0.0, 0.0);
-        let mut wrench = [Vector3::zeros(); 2];
-        for ((all, damping), ((strain, m), x)) in contacts.zip(nodes) {
+        for ((all, damping), (strain, m)) in contacts.zip(nodes) {
             let outer = all - damping + gravity * *m;
-            let net = outer + strain;
-            left += net.norm();
+            left += (outer + strain).norm();
             borne += outer.norm();
-            wrench[0] += net;
-            wrench[1] += (x - centre).cross(&net);
         }
-        let scale = self.load_scale(state);
-        let [force, moment] = wrench.map(|part| part.norm() / scale);
-        f64::max(left / borne, force).max(moment / self.diameter(state))
+        let net = whole.force.norm().max(whole.moment.norm() / whole.diameter);
+        f64::max(left / borne, net / whole.scale())
+    }
+}
+
+impl State {
+    /// Stops the nodes that are not prescribed.
+    fn stop_free_nodes(&mut self) {
+        let held: Vec<(u32, usize)> = self.boundary.held().collect();
+        let kept: Vec<f64> = held
+            .iter()
+            .map(|&(a, i)| self.velocities[a as usize][i])
+            .collect();
+        self.velocities.fill(Vector3::zeros());
+        for (&(a, i), v) in held.iter().zip(kept) {
+            self.velocities[a as usize][i] = v;
+        }
     }
 }

@@ -108,7 +108,7 @@ impl World {
             screen: Screen::default(),
             quiet: 0,
         };
-        self.bodies[i].quiet_steps = 0;
+        self.bodies[i].rest.quiet_steps = 0;
         let adaptives = self.adaptives.get_or_insert_default();
         let of_model = |own: &AdaptiveBody| own.adaptive.model == adaptive.model;
         if !adaptives.bodies.values().any(of_model) {

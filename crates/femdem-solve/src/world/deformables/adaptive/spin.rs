@@ -1,5 +1,6 @@
 //! Mass, momentum and angular momentum of a body, whatever it is.
 
+use super::super::{centroid, inertia};
 use crate::body::Body;
 use femdem_mesh::{Matrix3, Vector3};
 
@@ -52,12 +53,8 @@ struct Nodes {
 
 impl Nodes {
     fn of(positions: &[Vector3], masses: &[f64]) -> Self {
-        let centre = super::super::centroid(positions, masses);
-        let mut inertia = Matrix3::zeros();
-        for (x, m) in positions.iter().zip(masses) {
-            let r = x - centre;
-            inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * *m;
-        }
+        let centre = centroid(positions, masses);
+        let inertia = inertia(positions, masses, &centre);
         Self { centre, inertia }
     }
 }
