@@ -32,7 +32,7 @@
 //! - [`Boundary`]: held and driven nodes, forces and pressures; [`Selection`] and [`NodeSets`] choose nodes;
 //!   [`Drive`] prescribes a motion in time.
 //! - [`fracture`]: where and when a brittle body cracks.
-//! - [`statics`]: equilibrium of a single body by relaxation or by Newton's method.
+//! - [`statics`]: equilibrium of a single body by Newton's method.
 //! - `free_body`, with the feature `implicit`: stresses of a free body under given forces, by a linear solve.
 //!
 //! # Units

@@ -365,3 +365,20 @@ fn a_beam_that_comes_down_on_a_floor_goes_on_from_there() {
     let borne: f64 = world.deformable_contacts().map(|c| c.normal_force).sum();
     assert!((borne / expected - 1.0).abs() < 0.1, "{borne} {expected}");
 }
+
+/// Relaxation, which needs forces only, ends where Newton's method does, which needs the tangent.
+#[test]
+fn relaxation_finds_the_equilibrium_of_newton() {
+    let mut solved = cantilever(0.2);
+    assert_eq!(solved.solve_single_bodies(1e-6).unwrap(), 1);
+    let mut relaxed = cantilever(0.2);
+    let options = WorldRelaxation {
+        tolerance: 1e-7,
+        ..WorldRelaxation::default()
+    };
+    // What is left over at the tip, where a force of 1 N bends the beam by 0.4 mm, counts most.
+    let report = relaxed.relax(&options).unwrap();
+    assert!(report.stops > 1 && report.steps[1] > 1000, "{report:?}");
+    let [a, b] = [&solved, &relaxed].map(lowest);
+    assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
+}

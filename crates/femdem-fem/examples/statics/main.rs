@@ -11,9 +11,7 @@ mod sphere;
 mod taylor;
 
 use femdem_fem::element::Element;
-use femdem_fem::statics::{
-    Linear, Method, NewtonOptions, StaticOptions, StaticSolution, StepReport,
-};
+use femdem_fem::statics::{Linear, NewtonOptions, StaticOptions, StaticSolution};
 use std::error::Error;
 use std::io::Write;
 use std::time::Instant;
@@ -125,10 +123,7 @@ fn cubes(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
             let solution = cube::run(element, cells, &options(linear))?;
             let seconds = start.elapsed().as_secs_f64();
             let unknowns = 3 * solution.state.x.len();
-            for (_, step) in &solution.report.steps {
-                let StepReport::Newton(report) = step else {
-                    continue;
-                };
+            for (_, report) in &solution.report.steps {
                 let residuals: Vec<String> = report
                     .residuals
                     .iter()
@@ -186,11 +181,11 @@ fn name(element: Element) -> &'static str {
 
 fn options(linear: Linear) -> StaticOptions {
     StaticOptions {
-        method: Method::Newton(NewtonOptions {
+        newton: NewtonOptions {
             linear,
             tolerance: 1e-13,
             ..NewtonOptions::default()
-        }),
+        },
         ..StaticOptions::default()
     }
 }

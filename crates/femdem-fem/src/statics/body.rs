@@ -17,7 +17,6 @@ pub(crate) struct BodyProblem<'a> {
     held: Vec<[bool; 3]>,
     old: Vec<f64>,
     new: Vec<f64>,
-    masses: Vec<f64>,
     has_energy: bool,
     /// Norm and sum of the diagonal of the tangent, N/m.
     stiffness: f64,
@@ -67,7 +66,6 @@ impl<'a> BodyProblem<'a> {
             held,
             old: start.history.clone(),
             new: start.history.clone(),
-            masses: model.masses().iter().flat_map(|&m| [m; 3]).collect(),
             has_energy: !boundary.has_pressure() && model.regions().iter().all(is_potential),
             stiffness: 0.0,
             trace: 0.0,
@@ -229,16 +227,6 @@ impl StaticProblem for BodyProblem<'_> {
 
     fn has_energy(&self) -> bool {
         self.has_energy
-    }
-
-    fn masses(&self) -> &[f64] {
-        &self.masses
-    }
-
-    fn stable_step(&mut self, x: &[f64]) -> Result<f64, FemError> {
-        unflatten(x, &mut self.positions);
-        let bound = self.model.stable_frequency2(&self.positions, &self.old)?;
-        Ok(2.0 / bound.frequency2.sqrt())
     }
 
     fn force_scale(&self) -> f64 {

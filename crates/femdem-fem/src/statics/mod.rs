@@ -1,15 +1,12 @@
-//! Static equilibrium: relaxation and Newton's method for any problem with forces and a tangent.
+//! Static equilibrium by Newton's method, for any problem with forces and a tangent.
 //!
 //! A [`StaticProblem`] is a vector of unknowns x (positions of free nodes, m) with a force on each of them.
-//! Two methods find a state in which all forces vanish:
+//! [`newton`] finds a state in which all forces vanish, in a few expensive iterations with quadratic convergence. Its linear
+//! systems are solved by conjugate gradients without a matrix ([`Linear::Cg`]) or, with the feature
+//! `implicit`, by a sparse Cholesky factorisation ([`Linear::Cholesky`]). Bodies in contact are brought to rest by
+//! `femdem_solve::World::relax`, which needs forces only.
 //!
-//! - [`relax`]: explicit motion with kinetic damping. Needs forces only, tolerates any nonlinearity (contact,
-//!   friction, large strain), and costs many cheap steps.
-//! - [`newton`]: needs the tangent; a few expensive iterations, quadratic convergence. Its linear
-//!   systems are solved by conjugate gradients without a matrix ([`Linear::Cg`]) or, with the feature
-//!   `implicit`, by a sparse Cholesky factorisation ([`Linear::Cholesky`]).
-//!
-//! Both run on one thread in a fixed order, so that results are the same bits everywhere, and both stop with
+//! It runs on one thread in a fixed order, so that results are the same bits everywhere, and stops with
 //! [`FemError::NotConverged`] rather than return a state that is not at rest.
 //!
 //! ```
@@ -23,10 +20,6 @@
 //!     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> Result<f64, FemError> {
 //!         r[0] = 1.0 - 10.0 * (x[0] + 100.0 * x[0].powi(3));
 //!         Ok(10.0 * (x[0].powi(2) / 2.0 + 25.0 * x[0].powi(4)) - x[0])
-//!     }
-//!     fn masses(&self) -> &[f64] { &[1.0] }
-//!     fn stable_step(&mut self, x: &[f64]) -> Result<f64, FemError> {
-//!         Ok(2.0 / (10.0 * (1.0 + 300.0 * x[0].powi(2))).sqrt())
 //!     }
 //!     fn force_scale(&self) -> f64 { 1.0 }
 //!     fn tangent_apply(&mut self, x: &[f64], dx: &[f64], out: &mut [f64]) -> Result<(), FemError> {
@@ -55,7 +48,6 @@ mod line_search;
 mod linear;
 mod newton;
 mod options;
-mod relax;
 mod report;
 mod solve;
 mod sparse;
@@ -68,9 +60,8 @@ pub(crate) use {body::BodyProblem, factor::Factor, sparse::LowerTriangle};
 
 pub use linear::Linear;
 pub use newton::{Newton, NewtonOptions, NewtonReport, newton};
-pub use options::{LoadPath, Method, StaticOptions};
-pub use relax::{RelaxMasses, RelaxOptions, RelaxReport, relax};
-pub use report::{StaticReport, StaticSolution, StepReport};
+pub use options::{LoadPath, StaticOptions};
+pub use report::{StaticReport, StaticSolution};
 pub use solve::{solve_static, solve_static_from};
 
 use crate::FemError;
@@ -101,15 +92,6 @@ pub trait StaticProblem {
     fn has_energy(&self) -> bool {
         true
     }
-
-    /// Mass of each unknown, kg, for relaxation; positive. They may differ from those of the body.
-    fn masses(&self) -> &[f64];
-
-    /// The largest stable time step at `x`, s: 2 / omega for the largest frequency omega.
-    ///
-    /// # Errors
-    /// See the trait.
-    fn stable_step(&mut self, x: &[f64]) -> Result<f64, FemError>;
 
     /// The scale, N, of the Euclidean norm of the residual: such as the norm of loads and reactions at the
     /// point of the last call of [`residual`](Self::residual).

@@ -200,8 +200,7 @@ impl Newton {
                 format!("apply the load in smaller steps; the last step failed: {error}")
             }
             None if report.residual() < NEAR => AT_ROUND_OFF.to_owned(),
-            None => "apply the load in smaller steps, or use relaxation; the tangent may not \
-                     belong to the forces"
+            None => "apply the load in smaller steps; the tangent may not belong to the forces"
                 .to_owned(),
         };
         self.failure(report, &advice)

@@ -1,26 +1,9 @@
 //! Options of the solution of a body.
 
-use super::{NewtonOptions, RelaxOptions};
+use super::NewtonOptions;
 use crate::FemError;
 use crate::error::check;
 use serde::{Deserialize, Serialize};
-
-/// How equilibrium is found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Newton's method: for most bodies.
-    Newton(NewtonOptions),
-    /// Relaxation: where Newton's method fails, such as with laws whose tangent is not symmetric (flow that
-    /// is not associated), since the linear solvers use one triangle only.
-    Relax(RelaxOptions),
-}
-
-impl Default for Method {
-    fn default() -> Self {
-        Self::Newton(NewtonOptions::default())
-    }
-}
 
 /// How loads and weight grow. Driven nodes follow their path in time in either case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -59,7 +42,7 @@ pub enum LoadPath {
 #[serde(default, deny_unknown_fields)]
 pub struct StaticOptions {
     /// How each equilibrium is found.
-    pub method: Method,
+    pub newton: NewtonOptions,
     /// The time of the boundary conditions that is to be reached, s.
     pub time: f64,
     /// How loads grow up to then.
@@ -75,7 +58,7 @@ pub struct StaticOptions {
 impl Default for StaticOptions {
     fn default() -> Self {
         Self {
-            method: Method::default(),
+            newton: NewtonOptions::default(),
             time: 1.0,
             path: LoadPath::default(),
             steps: 1,

@@ -1,36 +1,15 @@
 //! Result of the solution of a body.
 
-use super::{NewtonReport, RelaxReport};
+use super::NewtonReport;
 use crate::model::DeformableState;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// How a load step was solved.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StepReport {
-    /// By Newton's method.
-    Newton(NewtonReport),
-    /// By relaxation.
-    Relax(RelaxReport),
-}
-
-impl StepReport {
-    /// Residual over force scale at the end.
-    #[must_use]
-    pub fn residual(&self) -> f64 {
-        match self {
-            Self::Newton(report) => report.residual(),
-            Self::Relax(report) => report.residual,
-        }
-    }
-}
 
 /// Report of [`solve_static`](super::solve_static).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct StaticReport {
     /// Successful load steps: the fraction of the load at their end, and how they were solved.
-    pub steps: Vec<(f64, StepReport)>,
+    pub steps: Vec<(f64, NewtonReport)>,
     /// Load steps that failed and were halved.
     pub failed: usize,
 }

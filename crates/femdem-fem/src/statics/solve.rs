@@ -1,8 +1,8 @@
 //! Bodies brought to rest under loads that grow from zero.
 
 use super::body::{BodyProblem, flat, unflatten};
-use super::{LoadPath, Method, Newton, RelaxOptions, StaticOptions, StaticProblem, relax, vector};
-use super::{StaticReport, StaticSolution, StepReport};
+use super::{LoadPath, Newton, NewtonReport, StaticOptions, StaticProblem, vector};
+use super::{StaticReport, StaticSolution};
 use crate::FemError;
 use crate::model::{Boundary, DeformableModel, DeformableState};
 
@@ -10,21 +10,15 @@ use crate::model::{Boundary, DeformableModel, DeformableState};
 struct March<'a> {
     problem: BodyProblem<'a>,
     options: &'a StaticOptions,
-    solver: Solver,
+    newton: Newton,
     x: Vec<f64>,
     report: StaticReport,
-}
-
-enum Solver {
-    Newton(Newton),
-    Relax(RelaxOptions),
 }
 
 /// The equilibrium of a body, from its reference state, under the loads and with the supports of a
 /// moment, [`StaticOptions::time`].
 ///
-/// Supports must hold the body: free rigid motion is not removed (only relaxation tolerates a free body under
-/// balanced loads). The tangent does not include that pressure follows the rotation of its faces, so Newton's
+/// Supports must hold the body: free rigid motion is not removed. The tangent does not include that pressure follows the rotation of its faces, so Newton's
 /// method converges more slowly under pressures that are not small beside the moduli.
 ///
 /// Residuals are compared with the norm of loads and reactions, or with the largest norm of the nodes'
@@ -79,14 +73,10 @@ pub fn solve_static_from(
     options: &StaticOptions,
 ) -> Result<StaticSolution, FemError> {
     options.check()?;
-    let solver = match &options.method {
-        Method::Newton(newton) => Solver::Newton(Newton::new(newton.clone())?),
-        Method::Relax(relax) => Solver::Relax(relax.clone()),
-    };
     let mut march = March {
         problem: BodyProblem::new(model, boundary, start)?,
         options,
-        solver,
+        newton: Newton::new(options.newton.clone())?,
         x: flat(&start.x),
         report: StaticReport::default(),
     };
@@ -134,7 +124,7 @@ impl March<'_> {
     }
 
     /// Advances to a fraction of the whole load path.
-    fn advance(&mut self, part: f64) -> Result<StepReport, FemError> {
+    fn advance(&mut self, part: f64) -> Result<NewtonReport, FemError> {
         let (end, now) = (self.options.time, self.options.time * part);
         match self.options.path {
             LoadPath::Proportional => self.problem.set_loads(end, part),
@@ -145,27 +135,22 @@ impl March<'_> {
         if motion.iter().any(|&m| m != 0.0) {
             self.predict(&mut x, &motion)?;
         }
-        let report = match &mut self.solver {
-            Solver::Newton(newton) => StepReport::Newton(newton.solve(&mut self.problem, &mut x)?),
-            Solver::Relax(options) => StepReport::Relax(relax(&mut self.problem, &mut x, options)?),
-        };
+        let report = self.newton.solve(&mut self.problem, &mut x)?;
         self.problem.commit(&x)?;
         self.x = x;
         Ok(report)
     }
 
-    /// Moves held coordinates, and with Newton's method the others according to the tangent, so that the
-    /// whole body follows and not only the elements at the supports.
+    /// Moves held coordinates, and the others according to the tangent, so that the whole body follows and not only the
+    /// elements at the supports.
     fn predict(&mut self, x: &mut [f64], motion: &[f64]) -> Result<(), FemError> {
-        if let Solver::Newton(newton) = &mut self.solver {
-            let mut force = vec![0.0; x.len()];
-            self.problem.residual(x, &mut force)?;
-            let mut pull = vec![0.0; x.len()];
-            self.problem.pull_of(x, motion, &mut pull)?;
-            vector::add_scaled(&mut force, -1.0, &pull);
-            let follow = newton.predict(&mut self.problem, x, &force)?;
-            vector::add_scaled(x, 1.0, &follow);
-        }
+        let mut force = vec![0.0; x.len()];
+        self.problem.residual(x, &mut force)?;
+        let mut pull = vec![0.0; x.len()];
+        self.problem.pull_of(x, motion, &mut pull)?;
+        vector::add_scaled(&mut force, -1.0, &pull);
+        let follow = self.newton.predict(&mut self.problem, x, &force)?;
+        vector::add_scaled(x, 1.0, &follow);
         vector::add_scaled(x, 1.0, motion);
         Ok(())
     }

@@ -12,7 +12,7 @@ pub(super) fn solvers() -> Vec<Linear> {
     all
 }
 
-/// One unknown of unit mass with an energy, its first and its second derivative; no forces where the
+/// One unknown with an energy, its first and its second derivative; no forces where the
 /// energy is not finite and the unknown negative.
 pub(super) struct Function {
     parts: [Box<dyn Fn(f64) -> f64>; 3],
@@ -40,14 +40,6 @@ impl StaticProblem for Function {
         Ok(self.parts[0](x[0]))
     }
 
-    fn masses(&self) -> &[f64] {
-        &[1.0]
-    }
-
-    fn stable_step(&mut self, x: &[f64]) -> Result<f64, FemError> {
-        Ok(2.0 / self.parts[2](x[0]).abs().sqrt())
-    }
-
     fn force_scale(&self) -> f64 {
         1.0
     }
@@ -68,7 +60,6 @@ impl StaticProblem for Function {
 pub(super) struct Membrane {
     n: usize,
     load: Vec<f64>,
-    masses: Vec<f64>,
 }
 
 impl Membrane {
@@ -76,7 +67,6 @@ impl Membrane {
         let mut membrane = Self {
             n,
             load: vec![0.0; n * n],
-            masses: vec![1.0; n * n],
         };
         let place = |k: usize| (k + 1) as f64 / (n + 1) as f64;
         let h2 = place(0).powi(2);
@@ -129,14 +119,6 @@ impl StaticProblem for Membrane {
         Ok(energy)
     }
 
-    fn masses(&self) -> &[f64] {
-        &self.masses
-    }
-
-    fn stable_step(&mut self, _: &[f64]) -> Result<f64, FemError> {
-        Ok(2.0 / 8.0_f64.sqrt())
-    }
-
     fn force_scale(&self) -> f64 {
         super::vector::norm(&self.load)
     }
@@ -165,7 +147,6 @@ pub(super) struct Chain {
     points: usize,
     weight: f64,
     stiffness: Vec<f64>,
-    masses: Vec<f64>,
 }
 
 impl Chain {
@@ -174,14 +155,6 @@ impl Chain {
             points,
             weight: 1.0 / points as f64,
             stiffness: vec![2.0 * (points + 1) as f64; points + 1],
-            masses: vec![1.0; 3 * points],
-        }
-    }
-
-    /// Makes one point lighter for relaxation; its weight stays.
-    pub(super) fn lighten(&mut self, point: usize, factor: f64) {
-        for mass in &mut self.masses[3 * point..3 * point + 3] {
-            *mass *= factor;
         }
     }
 
@@ -272,16 +245,6 @@ impl StaticProblem for Chain {
             }
         }
         Ok(energy)
-    }
-
-    fn masses(&self) -> &[f64] {
-        &self.masses
-    }
-
-    fn stable_step(&mut self, _: &[f64]) -> Result<f64, FemError> {
-        let stiffest = self.stiffness.iter().copied().fold(0.0, f64::max);
-        let lightest = self.masses.iter().copied().fold(f64::INFINITY, f64::min);
-        Ok(2.0 / (4.0 * stiffest / lightest).sqrt())
     }
 
     fn force_scale(&self) -> f64 {

@@ -2,7 +2,6 @@
 
 use super::{cantilever, newton, solvers, with};
 use femdem_fem::element::Element;
-use femdem_fem::statics::{Method, RelaxMasses, RelaxOptions, StaticOptions};
 
 #[test]
 fn a_cantilever_of_quadratic_elements_bends_as_timoshenko_says() {
@@ -35,26 +34,6 @@ fn linear_elements_are_stiff_in_bending_and_less_so_on_finer_meshes() {
         0.4 < coarse && coarse < fine && fine < 0.9,
         "{coarse} {fine}"
     );
-}
-
-#[test]
-fn relaxation_finds_the_equilibrium_of_newton() {
-    let (exact, _) = cantilever::run(Element::T4, [10, 2, 2], &newton(1e-8)).unwrap();
-    for masses in [RelaxMasses::Problem, RelaxMasses::Stiffness] {
-        let options = StaticOptions {
-            method: Method::Relax(RelaxOptions {
-                tolerance: 1e-6,
-                masses,
-                ..RelaxOptions::default()
-            }),
-            ..StaticOptions::default()
-        };
-        let (ratio, _) = cantilever::run(Element::T4, [10, 2, 2], &options).unwrap();
-        assert!(
-            (ratio / exact - 1.0).abs() < 1e-4,
-            "{masses:?}: {ratio} {exact}"
-        );
-    }
 }
 
 /// With one element across, F-bar treats a part of the bending as a change of volume and averages it out; the

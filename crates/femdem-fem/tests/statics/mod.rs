@@ -19,7 +19,7 @@ mod cantilevers;
 mod nearly_incompressible;
 mod refusals;
 
-use femdem_fem::statics::{Linear, Method, NewtonOptions, StaticOptions};
+use femdem_fem::statics::{Linear, NewtonOptions, StaticOptions};
 
 /// The linear solvers of this build.
 fn solvers() -> Vec<Linear> {
@@ -37,11 +37,11 @@ fn newton(tolerance: f64) -> StaticOptions {
 
 fn with(linear: Linear, tolerance: f64) -> StaticOptions {
     StaticOptions {
-        method: Method::Newton(NewtonOptions {
+        newton: NewtonOptions {
             linear,
             tolerance,
             ..NewtonOptions::default()
-        }),
+        },
         ..StaticOptions::default()
     }
 }

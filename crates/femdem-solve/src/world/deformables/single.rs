@@ -11,8 +11,7 @@ use crate::world::World;
 use femdem_contact::{BodyId, ContactBatch};
 use femdem_fem::DeformableState;
 use femdem_fem::statics::{
-    Linear, LoadPath, Method, NewtonOptions, StaticOptions, StaticSolution, StepReport,
-    solve_static_from,
+    Linear, LoadPath, NewtonOptions, StaticOptions, StaticSolution, solve_static_from,
 };
 use femdem_mesh::Vector3;
 
@@ -84,11 +83,11 @@ impl Deformables {
             history: body.history.clone(),
         };
         let options = StaticOptions {
-            method: Method::Newton(NewtonOptions {
+            newton: NewtonOptions {
                 tolerance: (STRICTER * tolerance).min(LARGEST),
                 linear: Linear::CgAssembled,
                 ..NewtonOptions::default()
-            }),
+            },
             time,
             path: LoadPath::InTime,
             max_halvings: 0,
@@ -96,8 +95,8 @@ impl Deformables {
         };
         // Whatever is wrong, the relaxation meets it too, and says so.
         let solution = solve_static_from(model, &boundary.ok()?, &start, &options).ok()?;
-        let done = |step: &StepReport| matches!(step, StepReport::Newton(r) if r.iterations == 0);
-        let moved = solution.report.steps.iter().any(|(_, step)| !done(step));
+        let mut steps = solution.report.steps.iter();
+        let moved = steps.any(|(_, step)| step.iterations > 0);
         moved.then_some(solution)
     }
 }
