@@ -164,7 +164,13 @@ impl<L: Lanes> Clip<L> {
         host: &Current,
         of_host: &Depths<L>,
     ) -> Left {
-        let depth = of_host.map(|d| d.get()[face]);
+        let [a, b, c, d] = of_host;
+        let depth = [
+            a.get()[face],
+            b.get()[face],
+            c.get()[face],
+            d.get()[face],
+        ];
         if !self.section(&depth, host) {
             return Left::Nothing;
         }
@@ -197,21 +203,15 @@ impl<L: Lanes> Clip<L> {
             _ => return false,
         };
         self.count = if inside == 2 { 4 } else { 3 };
-        let end = |c: usize| {
-            let mut shares = [0.0; 4];
-            shares[c] = 1.0;
-            Corner::new(
-                self.lanes,
-                Row::new(self.lanes, shares),
-                &host.corners[c],
-                host,
-            )
-        };
-        let at = edges.map(|[from, to]| {
+        // A loop: what maps an array would not be compiled for the instruction set of the lanes.
+        for (room, [from, to]) in self.at[0].iter_mut().zip(edges) {
             let share = depth[from] / (depth[from] - depth[to]);
-            end(from).towards(&end(to), share)
-        });
-        self.at[0][..4].copy_from_slice(&at);
+            let [from, to] = [
+                Corner::of_host(self.lanes, host, from),
+                Corner::of_host(self.lanes, host, to),
+            ];
+            *room = from.towards(&to, share);
+        }
         let bits = edges.map(|[from, to]| 1 << from | 1 << to);
         for (at, room) in self.on[0][..self.count].iter_mut().enumerate() {
             // The face without the corner that is on neither of two edges.
@@ -436,6 +436,14 @@ impl<L: Lanes> Corner<L> {
             shares,
             place: Row::new(lanes, [x.x, x.y, x.z, a + b + c + d]),
         }
+    }
+
+    /// A corner of the host itself.
+    #[inline(always)]
+    fn of_host(lanes: L, host: &Current, c: usize) -> Self {
+        let mut shares = [0.0; 4];
+        shares[c] = 1.0;
+        Self::new(lanes, Row::new(lanes, shares), &host.corners[c], host)
     }
 
     #[inline(always)]

@@ -5,6 +5,12 @@ use femdem_mesh::{Point3, Vector3};
 use super::raster::{DepthBuffer, DepthMap};
 use super::view::{Seen, View};
 
+/// The pixel in which a coordinate lies. `f64::floor` is a call where the processor may be an old one.
+fn floor(x: f64) -> isize {
+    let toward_zero = x as isize;
+    toward_zero - isize::from(x < toward_zero as f64)
+}
+
 /// Points spread evenly over the unit disc (a sunflower: Vogel 1979).
 fn disc<const N: usize>() -> [[f64; 2]; N] {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
@@ -70,7 +76,7 @@ impl Lamp {
         let sees = |sample: &[f64; 2]| {
             let [dx, dy] = turn.apply(*sample);
             let (x, y) = (x + self.blur * dx, y + self.blur * dy);
-            let blocker = self.seen.at(x.floor() as isize, y.floor() as isize);
+            let blocker = self.seen.at(floor(x), floor(y));
             blocker.is_none_or(|near| f64::from(near) <= nearness + lift)
         };
         // Most points see all of the lamp or nothing of it: a quarter of the samples, spread over it, shows which.
@@ -120,16 +126,13 @@ impl<'a> Gaps<'a> {
         let mut blocked = 0.0;
         for sample in &self.samples {
             let [dx, dy] = turn.apply(*sample);
-            let (x, y) = (
-                (here.x + radius * dx).floor(),
-                (here.y + radius * dy).floor(),
-            );
-            let Some((_, near)) = self.seen.at(x as isize, y as isize) else {
+            let (x, y) = (floor(here.x + radius * dx), floor(here.y + radius * dy));
+            let Some((_, near)) = self.seen.at(x, y) else {
                 continue;
             };
             let seen = Seen {
-                x: x + 0.5,
-                y: y + 0.5,
+                x: x as f64 + 0.5,
+                y: y as f64 + 0.5,
                 nearness: f64::from(near),
             };
             let to = self.view.point(seen) - point;
