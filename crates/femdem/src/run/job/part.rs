@@ -18,10 +18,12 @@ pub struct Part {
     stillness: Stillness,
     /// Whether the bodies have been still for so long that their forces are looked at.
     may_rest: bool,
+    /// Steps of the relaxation, by the first rank, once the motion has ended.
+    relaxed: Option<u64>,
 }
 
 /// What all ranks get of a run besides its world.
-type Shared = (String, Controls, Stillness, LoadedMembers);
+type Shared = (String, Controls, Stillness, LoadedMembers, Option<u64>);
 
 impl Run {
     /// What it gives to ranks besides its world, if they can share it.
@@ -34,13 +36,18 @@ impl Run {
             simulation.controls.clone(),
             self.stillness,
             LoadedMembers::of(&simulation.loads, &simulation.members),
+            self.steps_relaxed(),
         ))
+    }
+
+    fn steps_relaxed(&self) -> Option<u64> {
+        self.relaxation().map(|so_far| so_far.steps)
     }
 }
 
 impl Part {
     /// Shares a run out over ranks: the first one gives it, and no other. Its world is empty until
-    /// [`go_on`](Self::go_on).
+    /// [`go_on`](Self::go_on), unless its bodies are being relaxed: those it keeps.
     ///
     /// # Errors
     ///
@@ -51,8 +58,11 @@ impl Part {
             match run.to_share() {
                 Ok(parts) => {
                     let world = &mut run.simulation.world;
-                    let empty = World::new(*world.parameters())?;
-                    given = Some(std::mem::replace(world, empty));
+                    let mut own = World::new(*world.parameters())?;
+                    if parts.4.is_none() {
+                        std::mem::swap(world, &mut own);
+                    }
+                    given = Some(own);
                     mine = Some(parts);
                 }
                 // The others are told before.
@@ -73,7 +83,7 @@ impl Part {
         };
         let (_, bytes) = received.first().ok_or_else(none)?;
         let sent: Option<Shared> = checkpoint::decode(bytes)?;
-        let (scenario, controls, stillness, loads) = sent.ok_or_else(none)?;
+        let (scenario, controls, stillness, loads, relaxed) = sent.ok_or_else(none)?;
         let world = World::share_from_first(given, halo)?;
         Ok(Self {
             world,
@@ -82,6 +92,7 @@ impl Part {
             loads,
             stillness,
             may_rest: false,
+            relaxed,
         })
     }
 
@@ -97,12 +108,28 @@ impl Part {
         &self.scenario
     }
 
-    /// Takes a step. Returns whether the run may have ended with it: [`go_on`](Self::go_on) says whether it has.
+    /// Steps of the motion, and of the relaxation after it.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.world.steps() + self.relaxed.unwrap_or(0)
+    }
+
+    /// Whether the motion has ended, and the first rank, which has all bodies, relaxes them.
+    #[must_use]
+    pub fn is_relaxing(&self) -> bool {
+        self.relaxed.is_some()
+    }
+
+    /// Takes a step, or none while bodies are relaxed. Returns whether the run may have ended with it: [`go_on`](Self::go_on) says
+    /// whether it has.
     ///
     /// # Errors
     ///
     /// Those of [`World::step_on`].
     pub fn step(&mut self, halo: &mut dyn Halo) -> Result<bool, Error> {
+        if self.is_relaxing() {
+            return Ok(true);
+        }
         if !self.loads.is_empty() {
             let world = &mut self.world;
             // Of the middle of the step, as alone.
@@ -136,27 +163,43 @@ impl Part {
         Ok(self.stillness.look(&rest, world.time(), energy, more))
     }
 
-    /// Shows all bodies to the run, on the first rank, which writes into `folder` what is due. Returns whether it has ended.
+    /// Shows all bodies to the run, on the first rank, which writes into `folder` what is due, or relaxes them for a part of the
+    /// steps of a relaxation. Returns whether the run has ended.
     ///
     /// # Errors
     ///
     /// As [`Run::advance`] but for those of the step, and those of [`World::gather`].
     pub fn go_on(
-        &self,
-        run: Option<&mut Run>,
+        &mut self,
+        mut run: Option<&mut Run>,
         folder: &Path,
         halo: &mut dyn Halo,
     ) -> Result<bool, Error> {
-        let whole = self.world.gather(halo)?;
-        let mut ended = [0];
-        if let Some((run, whole)) = run.zip(whole) {
-            run.simulation.controls = self.controls.clone();
-            self.loads.give_back(&mut run.simulation.loads);
-            run.stillness = self.stillness;
-            run.go_on_with(whole, self.may_rest, folder)?;
-            ended = [u64::from(run.ending.is_some())];
+        if self.is_relaxing() {
+            if let Some(run) = run.as_deref_mut() {
+                run.advance(folder, 1)?;
+            }
+        } else {
+            let whole = self.world.gather(halo)?;
+            if let Some((run, whole)) = run.as_deref_mut().zip(whole) {
+                run.simulation.controls = self.controls.clone();
+                self.loads.give_back(&mut run.simulation.loads);
+                run.stillness = self.stillness;
+                run.go_on_with(whole, self.may_rest, folder)?;
+            }
         }
-        halo.sum(&mut ended)?;
-        Ok(ended[0] > 0)
+        let mut now = [0; 3];
+        if let Some(run) = run {
+            let relaxed = run.steps_relaxed();
+            now = [
+                u64::from(run.ending.is_some()),
+                u64::from(relaxed.is_some()),
+                relaxed.unwrap_or(0),
+            ];
+        }
+        halo.sum(&mut now)?;
+        let [ended, relaxes, relaxed] = now;
+        self.relaxed = (relaxes > 0).then_some(relaxed);
+        Ok(ended > 0)
     }
 }
