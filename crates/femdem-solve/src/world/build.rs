@@ -178,7 +178,6 @@ impl World {
     /// and the index is its number in the whole. Other methods take that [here](Self::number_here).
     ///
     /// # Errors
-    /// [`SolveError::Ranks`] in a world that is shared out and from which bodies were removed before.
     /// [`SolveError::NoSuch`] for an unknown shape, [`SolveError::Parameter`] for a density
     /// that is not positive or a pose or velocity that is not finite.
     pub fn add_body(&mut self, spec: BodySpec) -> Result<BodyId, SolveError> {

@@ -11,6 +11,7 @@ mod cuts;
 mod deal;
 mod edges;
 mod join;
+mod leave;
 mod map;
 mod parts;
 mod swap;
@@ -121,7 +122,7 @@ impl Share {
 }
 
 /// How far a body may go before all are dealt anew.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 struct Until {
     /// Its travel, m.
     travelled: f64,
