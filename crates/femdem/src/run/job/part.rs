@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use femdem_solve::{Halo, SolveError, World, checkpoint};
+use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::run::flow::SharedFlow;
 use crate::run::load::LoadedMembers;
 use crate::run::stillness::{STEPS_BETWEEN_LOOKS, Stillness};
 use crate::run::{Controls, Run, Scenario};
@@ -15,6 +17,7 @@ pub struct Part {
     scenario: Scenario,
     controls: Controls,
     loads: LoadedMembers,
+    flow: SharedFlow,
     stillness: Stillness,
     /// Whether the bodies have been still for so long that their forces are looked at.
     may_rest: bool,
@@ -23,7 +26,15 @@ pub struct Part {
 }
 
 /// What all ranks get of a run besides its world.
-type Shared = (String, Controls, Stillness, LoadedMembers, Option<u64>);
+#[derive(Serialize, Deserialize)]
+struct Shared {
+    scenario: String,
+    controls: Controls,
+    loads: LoadedMembers,
+    flow: SharedFlow,
+    stillness: Stillness,
+    relaxed: Option<u64>,
+}
 
 impl Run {
     /// What it gives to ranks besides its world, if they can share it.
@@ -31,13 +42,14 @@ impl Run {
         self.steps_elsewhere()?;
         let simulation = &self.simulation;
         simulation.world.can_be_shared()?;
-        Ok((
-            self.scenario.to_toml()?,
-            simulation.controls.clone(),
-            self.stillness,
-            LoadedMembers::of(&simulation.loads, &simulation.members),
-            self.steps_relaxed(),
-        ))
+        Ok(Shared {
+            scenario: self.scenario.to_toml()?,
+            controls: simulation.controls.clone(),
+            loads: LoadedMembers::of(&simulation.loads, &simulation.members),
+            flow: SharedFlow::of(simulation),
+            stillness: self.stillness,
+            relaxed: self.steps_relaxed(),
+        })
     }
 
     fn steps_relaxed(&self) -> Option<u64> {
@@ -59,7 +71,7 @@ impl Part {
                 Ok(parts) => {
                     let world = &mut run.simulation.world;
                     let mut own = World::new(*world.parameters())?;
-                    if parts.4.is_none() {
+                    if parts.relaxed.is_none() {
                         std::mem::swap(world, &mut own);
                     }
                     given = Some(own);
@@ -83,16 +95,16 @@ impl Part {
         };
         let (_, bytes) = received.first().ok_or_else(none)?;
         let sent: Option<Shared> = checkpoint::decode(bytes)?;
-        let (scenario, controls, stillness, loads, relaxed) = sent.ok_or_else(none)?;
-        let world = World::share_from_first(given, halo)?;
+        let shared = sent.ok_or_else(none)?;
         Ok(Self {
-            world,
-            scenario: Scenario::from_toml(&scenario)?,
-            controls,
-            loads,
-            stillness,
+            world: World::share_from_first(given, halo)?,
+            scenario: Scenario::from_toml(&shared.scenario)?,
+            controls: shared.controls,
+            loads: shared.loads,
+            flow: shared.flow,
+            stillness: shared.stillness,
             may_rest: false,
-            relaxed,
+            relaxed: shared.relaxed,
         })
     }
 
@@ -130,6 +142,8 @@ impl Part {
         if self.is_relaxing() {
             return Ok(true);
         }
+        self.flow
+            .begin_step(&mut self.world, &mut self.loads, halo)?;
         if !self.loads.is_empty() {
             let world = &mut self.world;
             // Of the middle of the step, as alone.
@@ -141,6 +155,7 @@ impl Part {
         } else {
             self.controls.step_on(&mut self.world, halo)?;
         }
+        self.flow.end_step(&mut self.world, &mut self.loads, halo)?;
         self.may_rest = self.is_still(halo)?;
         let time = self.world.time();
         let sleeps = self.scenario.sleeps_at(time) && !self.stillness.verifying;
@@ -159,8 +174,9 @@ impl Part {
             return Ok(false);
         }
         let energy = world.kinetic_energy_on(halo)?;
-        let more = self.scenario.is_more_to_come(world);
-        Ok(self.stillness.look(&rest, world.time(), energy, more))
+        let time = world.time();
+        let more = self.scenario.is_more_to_come(world) || self.flow.is_to_come(time);
+        Ok(self.stillness.look(&rest, time, energy, more))
     }
 
     /// Shows all bodies to the run, on the first rank, which writes into `folder` what is due, or relaxes them for a part of the
@@ -183,6 +199,7 @@ impl Part {
             let whole = self.world.gather(halo)?;
             if let Some((run, whole)) = run.as_deref_mut().zip(whole) {
                 run.simulation.controls = self.controls.clone();
+                self.flow.give_back(&mut run.simulation);
                 self.loads.give_back(&mut run.simulation.loads);
                 run.stillness = self.stillness;
                 run.go_on_with(whole, self.may_rest, folder)?;
