@@ -1,10 +1,11 @@
 //! Bodies and walls that are removed from a shared world, and the places that they leave.
 
+use super::parts::{bodies_of, has_ended};
 use super::{Until, ranks};
 use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::world::World;
-use femdem_contact::BodyId;
+use femdem_contact::{BodyId, PairRecord};
 
 impl World {
     /// As [`remove_body`](Self::remove_body), of bodies by their numbers in the whole, in a world that is
@@ -72,6 +73,8 @@ impl World {
                 });
             }
             vacant.insert(at, number);
+            let stays = |pair: &PairRecord| bodies_of(pair).all(|other| other != number);
+            share.ended.retain(stays);
             for link in &mut share.links {
                 for list in [&mut link.lent, &mut link.guests] {
                     list.retain(|other| Some(*other) != here);
@@ -109,7 +112,12 @@ impl World {
         let holds = |number| before(number).is_some_and(|id| share.holds[id]);
         let holds = numbers.iter().map(holds).collect();
         (share.until, share.holds) = (until, holds);
-        let pairs = all.pairs.into_iter();
+        // The other body of an ended bond need not be here.
+        let (ended, pairs): (Vec<_>, Vec<_>) = all.pairs.into_iter().partition(has_ended);
+        let ended = ended.into_iter();
+        let ended = ended.filter(|pair| is_own(pair.sides().1));
+        share.ended.extend(ended);
+        let pairs = pairs.into_iter();
         let pairs = pairs.filter_map(|pair| pair.renumbered(local)).collect();
         self.newcomers = all.newcomers.renumbered(local);
         let members = all.members.into_iter().filter_map(|member| {

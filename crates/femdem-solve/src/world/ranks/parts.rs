@@ -8,6 +8,7 @@ use crate::halo::Halo;
 use crate::world::World;
 use crate::world::deformables::State;
 use crate::world::newcomers::Newcomers;
+use femdem_contact::bond::Bond;
 use femdem_contact::{BodyId, BodyRecord, Motion, PairRecord, Partner};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -46,6 +47,8 @@ impl Member {
 pub(super) struct Parts {
     pub members: Vec<Member>,
     pub pairs: Vec<PairRecord>,
+    /// Bonds that have ended, which stay where they are.
+    pub ended: Vec<PairRecord>,
     /// Of these and of their guests.
     pub newcomers: Newcomers,
 }
@@ -79,7 +82,7 @@ fn in_portions<T>(list: Vec<T>, weight: impl Fn(&T) -> usize) -> Vec<Vec<T>> {
 }
 
 impl Parts {
-    /// Bodies and then pairs, in as many portions on all ranks; without the newcomers.
+    /// Bodies and then pairs, in as many portions on all ranks; without ended bonds and newcomers.
     pub fn portions(
         self,
         halo: &mut dyn Halo,
@@ -103,10 +106,13 @@ impl Parts {
 
     /// Those of all ranks on the first one, and none on the others.
     pub fn gathered(mut self, halo: &mut dyn Halo) -> Result<Self, SolveError> {
-        let newcomers = checkpoint::encode(&std::mem::take(&mut self.newcomers))?;
+        let apart = checkpoint::encode(&(&self.newcomers, &self.ended))?;
+        (self.newcomers, self.ended) = Default::default();
         let mut all = Self::default();
-        for (_, bytes) in halo.send(vec![(0, newcomers)])? {
-            all.newcomers.join(checkpoint::decode(&bytes)?);
+        for (_, bytes) in halo.send(vec![(0, apart)])? {
+            let (newcomers, ended): (_, Vec<PairRecord>) = checkpoint::decode(&bytes)?;
+            all.newcomers.join(newcomers);
+            all.ended.extend(ended);
         }
         for portion in self.portions(halo)? {
             for (_, bytes) in halo.send(vec![(0, checkpoint::encode(&portion)?)])? {
@@ -119,6 +125,7 @@ impl Parts {
     pub fn join(&mut self, other: Self) {
         self.members.extend(other.members);
         self.pairs.extend(other.pairs);
+        self.ended.extend(other.ended);
         self.newcomers.join(other.newcomers);
     }
 }
@@ -140,7 +147,12 @@ impl World {
             }
         }
         let own = all.pairs.into_iter();
-        parts.pairs = own.filter(|pair| is_own(pair.sides().1)).collect();
+        let own = own.filter(|pair| is_own(pair.sides().1));
+        let (ended, pairs) = own.partition(has_ended);
+        (parts.ended, parts.pairs) = (ended, pairs);
+        if let Some(share) = &mut self.share {
+            parts.ended.append(&mut share.ended);
+        }
         Ok((parts, guests))
     }
 
@@ -214,7 +226,8 @@ impl World {
         self.newcomers = parts.newcomers;
         let members = parts.members.into_iter();
         let members = members.map(|member| (member.number, (member, false)));
-        self.put(total, members, parts.pairs)
+        let pairs = parts.pairs.into_iter().chain(parts.ended);
+        self.put(total, members, pairs.collect())
     }
 
     /// Puts members in under their numbers, below `total`, with whether they are guests.
@@ -262,10 +275,16 @@ impl World {
     pub fn checksum_of_motion(&self) -> Result<u64, SolveError> {
         self.not_shared("a checksum")?;
         let (mut parts, _) = self.clone().take_apart()?;
+        parts.pairs.append(&mut parts.ended);
         parts.pairs.sort_by_key(PairRecord::sides);
         let all = (self.time, self.steps, self.step_control);
         checkpoint::hash(&(all, parts.members, parts.pairs))
     }
+}
+
+/// Whether it is a bond that has ended.
+pub(super) fn has_ended(pair: &PairRecord) -> bool {
+    pair.bond().is_some_and(Bond::has_ended)
 }
 
 /// The bodies of a pair.
