@@ -74,7 +74,7 @@ fn masonry() -> World {
         world.add_bond(bodies, &section.unwrap(), MORTAR).unwrap();
     };
     for place in 0..count {
-        if (place as u32 + 1) % along > 0 {
+        if !(place as u32 + 1).is_multiple_of(along) {
             bond([ids[place + 1], ids[place]]);
         }
         if place < along as usize {

@@ -1,5 +1,6 @@
 //! Making a world, adding to it, and bringing it back from bytes.
 
+use super::lists::place;
 use super::ranks::Whose;
 use super::{Counters, World};
 use crate::body::{Body, BodySpec, Shape, ShapeId};
@@ -355,12 +356,4 @@ pub(super) fn meets_deformables(shape: &BodyShape) -> Result<(), SolveError> {
         convex.fan()?;
     }
     Ok(())
-}
-
-/// Writes an item of a list by number, which may be the next one.
-pub(super) fn place<T>(list: &mut Vec<T>, id: u32, item: T) {
-    match list.get_mut(id as usize) {
-        Some(slot) => *slot = item,
-        None => list.push(item),
-    }
 }

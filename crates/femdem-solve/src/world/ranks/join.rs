@@ -6,7 +6,7 @@ use crate::checkpoint;
 use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::world::World;
-use crate::world::build::place;
+use crate::world::lists::place;
 use femdem_contact::BodyId;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
