@@ -11,11 +11,14 @@ use crate::command::{apt_get, cargo, passed, runs};
 /// The package, from the workspace root: a workspace of its own.
 const PACKAGE: &str = "crates/femdem-mpi";
 
-/// The scenes, in the package: of rigid bodies, of deformable ones among rigid ones, and of walls and a cell that follow stresses.
+/// The scenes, in the package: of rigid bodies, of deformable ones among rigid ones that are relaxed, of walls and a cell that follow
+/// stresses, of bodies that come and go, and of bonded ones.
 const SCENE: &str = "scenes/pile.toml";
 const SOFT_SCENE: &str = "scenes/soft.toml";
 const PRESS: &str = "scenes/press.toml";
 const CELL: &str = "scenes/cell.toml";
+const FLOW: &str = "scenes/flow.toml";
+const BONDED: &str = "scenes/bonded.toml";
 
 /// What is needed, as a program and as the packages of Debian that have it.
 const TOOLS: [(&str, &[&str]); 2] = [
@@ -28,7 +31,7 @@ const RUNS: [[usize; 2]; 6] = [[1, 1], [2, 1], [3, 1], [4, 1], [1, 2], [2, 2]];
 
 const SOFT_RUNS: [[usize; 2]; 3] = [[1, 1], [2, 1], [4, 1]];
 
-const CONTROLLED_RUNS: [[usize; 2]; 2] = [[2, 1], [3, 1]];
+const OTHER_RUNS: [[usize; 2]; 2] = [[2, 1], [3, 1]];
 
 /// Steps after which one run is stopped, to go on with another number of ranks.
 const STOP: &str = "600";
@@ -106,8 +109,10 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     };
     Ok(runs(SCENE, &RUNS, STOP, &place.join("rigid"))?
         & runs(SOFT_SCENE, &SOFT_RUNS, SOFT_STOP, &place.join("soft"))?
-        & runs(PRESS, &CONTROLLED_RUNS, STOP, &place.join("press"))?
-        & runs(CELL, &CONTROLLED_RUNS, STOP, &place.join("cell"))?
+        & runs(PRESS, &OTHER_RUNS, STOP, &place.join("press"))?
+        & runs(CELL, &OTHER_RUNS, STOP, &place.join("cell"))?
+        & runs(FLOW, &OTHER_RUNS, STOP, &place.join("flow"))?
+        & runs(BONDED, &OTHER_RUNS, STOP, &place.join("bonded"))?
         & packs_are_same(&programs, &place)?)
 }
 

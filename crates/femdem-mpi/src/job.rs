@@ -72,13 +72,13 @@ impl Job {
 
     /// Steps to the end of the run, or so many steps, with a checkpoint after at most `every` seconds and at the end.
     pub fn go_on(mut self, every: f64, steps: Option<u64>, halo: &mut MpiHalo) -> Result<()> {
-        let so_far = self.part.world().steps();
+        let so_far = self.part.steps();
         let last = steps.map_or(u64::MAX, |steps| so_far.saturating_add(steps));
         let mut due = self.next_due(halo)?;
         let mut ended = false;
         // Whether the first rank has seen the last step: it has given its bodies away.
         let mut seen = false;
-        while !ended && self.part.world().steps() < last {
+        while !ended && self.part.steps() < last {
             let may_end = self.part.step(halo)?;
             let time = self.part.world().time();
             seen = may_end || time >= due;
@@ -89,11 +89,13 @@ impl Job {
                     self.save(halo)?;
                 }
             }
-            let duration = self.part.scenario().duration;
-            self.cost
-                .tell(halo, || format!("{time:.6} of {duration} s"));
+            let part = &self.part;
+            self.cost.tell(halo, || match part.is_relaxing() {
+                true => format!("{} steps, the bodies are relaxed", part.steps()),
+                false => format!("{time:.6} of {} s", part.scenario().duration),
+            });
         }
-        if !seen {
+        if !seen && !self.part.is_relaxing() {
             self.catch_up(halo)?;
         }
         self.finish(halo)
@@ -111,8 +113,15 @@ impl Job {
         Ok(self.part.go_on(self.run.as_mut(), &self.folder, halo)?)
     }
 
+    /// The cost so far: in a relaxation that of the bodies which the first rank has.
+    fn usage(&self, halo: &mut MpiHalo) -> Result<Usage> {
+        let all = self.run.as_ref().filter(|_| self.part.is_relaxing());
+        let world = all.map_or(self.part.world(), |run| &run.simulation().world);
+        self.cost.usage(world.counters(), halo)
+    }
+
     fn save(&mut self, halo: &mut MpiHalo) -> Result<()> {
-        let usage = self.cost.usage(self.part.world().counters(), halo)?;
+        let usage = self.usage(halo)?;
         if let Some(run) = &mut self.run {
             run.flush(&self.folder)?;
             run.save(&self.folder, &usage)?;
@@ -121,7 +130,7 @@ impl Job {
     }
 
     fn finish(mut self, halo: &mut MpiHalo) -> Result<()> {
-        let usage = self.cost.usage(self.part.world().counters(), halo)?;
+        let usage = self.usage(halo)?;
         let Some(mut run) = self.run.take() else {
             return Ok(());
         };

@@ -3,6 +3,7 @@
 mod adaptive;
 mod adhesion;
 mod any_shape;
+mod bond_ranks;
 mod bond_worlds;
 mod bonds;
 mod bridges;

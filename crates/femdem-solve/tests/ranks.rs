@@ -273,6 +273,85 @@ fn bodies_may_come_and_steps_be_implicit() {
     }
 }
 
+/// Bodies leave and others come under their numbers, at rest and in motion, and a wall goes; with a checkpoint on the way.
+/// `spec` is that of the k-th body that comes.
+pub fn comes_and_goes(
+    world: &mut World,
+    halo: &mut dyn Halo,
+    gone: [[u32; 2]; 2],
+    spec: impl Fn(u32) -> BodySpec,
+) {
+    let steps = |world: &mut World, halo: &mut dyn Halo, count: u32| {
+        for _ in 0..count {
+            world.step_on(halo).unwrap();
+        }
+    };
+    let total = world.count_in_whole() as u32;
+    steps(world, halo, 500);
+    let [first, second] = gone;
+    world.remove_bodies_on(&first, halo).unwrap();
+    assert_eq!(world.count_in_whole() as u32, total - 2);
+    *world = World::from_bytes(&world.to_bytes().unwrap()).unwrap();
+    let again = world.remove_bodies_on(&first[..1], halo).unwrap_err();
+    assert!(again.to_string().contains("there is no body"), "{again}");
+    steps(world, halo, 20);
+    let low = first[0].min(first[1]);
+    assert_eq!(world.add_body(spec(0)).unwrap(), low);
+    steps(world, halo, 150);
+    world.remove_bodies_on(&second, halo).unwrap();
+    let mut free = [first[0].max(first[1]), second[0], second[1], total];
+    free.sort_unstable();
+    for (k, number) in (1..).zip(free) {
+        assert_eq!(world.add_body(spec(k)).unwrap(), number);
+    }
+    steps(world, halo, 300);
+    world.remove_walls_on(&[1], halo).unwrap();
+    steps(world, halo, 300);
+}
+
+/// The same on any number of ranks as alone.
+pub fn comes_and_goes_alike(
+    world: &World,
+    gone: [[u32; 2]; 2],
+    spec: impl Fn(u32) -> BodySpec + Sync,
+) {
+    let mut alone = world.clone();
+    comes_and_goes(&mut alone, &mut Alone, gone, &spec);
+    let expected = alone.checksum_of_motion().unwrap();
+    for size in [1, 2, 3, 4] {
+        let parts = Threads::each(size, |halo| {
+            let mut world = world.clone();
+            world.share_out(halo).unwrap();
+            comes_and_goes(&mut world, halo, gone, &spec);
+            world.gather(halo).unwrap()
+        });
+        let whole = parts.into_iter().next().unwrap().unwrap();
+        let found = whole.checksum_of_motion().unwrap();
+        assert_eq!(found, expected, "{size} ranks");
+        let books = [&alone, &whole].map(World::ledger);
+        let scale = books[0].exchanged;
+        let missing = (books[0].error() - books[1].error()).abs();
+        let by_hand = (books[0].by_hand - books[1].by_hand).abs();
+        assert!(missing < 1e-9 * scale, "{missing:e}");
+        assert!(by_hand < 1e-9 * scale, "{by_hand:e}");
+    }
+}
+
+#[test]
+fn bodies_and_walls_may_leave() {
+    let spec = |k: u32| {
+        let at = Vector3::new(f64::from(2 * k % 7) + 0.6, 0.6, 9.0 + f64::from(k)) * (1.4 * D);
+        let pose = Pose::from_parts(Translation3::from(at), UnitQuaternion::identity());
+        BodySpec {
+            velocity: Vector3::new(0.0, 0.0, -4.0),
+            ..BodySpec::at_rest(k % 4, 2500.0, pose)
+        }
+    };
+    for sleeping in [false, true] {
+        comes_and_goes_alike(&pile(sleeping), [[40, 3], [77, 10]], spec);
+    }
+}
+
 /// The whole that is gathered before the next step knows the fastest body, which the first rank does not have.
 #[test]
 fn parameters_may_change_before_bodies_are_gathered() {
@@ -322,12 +401,13 @@ fn what_cannot_be_shared_is_said() {
             .contains("gather it first")
     );
     assert_eq!(halos[1].rank(), 1);
-    let mut world = pile(true);
-    world.remove_body(3).unwrap();
-    world.share_out(&mut Alone).unwrap();
-    let spec = BodySpec::at_rest(0, 2500.0, Pose::translation(0.3, 0.1, 1.0));
-    let refused = world.add_body(spec).unwrap_err().to_string();
-    assert!(refused.contains("were removed"), "{refused}");
+    let refused = world.remove_body(3).unwrap_err().to_string();
+    assert!(refused.contains("gather it first"), "{refused}");
+    let mut driven = pile(true);
+    driven.drive_body(3, Some(Drive::Fixed)).unwrap();
+    driven.share_out(&mut Alone).unwrap();
+    let refused = driven.remove_bodies_on(&[3], &mut Alone).unwrap_err();
+    assert!(refused.to_string().contains("a driven body"), "{refused}");
     let mut hosted = pile(true);
     hosted.drive_body_by_host(0, Driven::default()).unwrap();
     let refused = hosted.share_out(&mut Alone).unwrap_err().to_string();

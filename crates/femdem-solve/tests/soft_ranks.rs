@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::ranks::Threads;
-use crate::ranks::{as_alone, goes_on_from_the_first};
+use crate::ranks::{as_alone, comes_and_goes_alike, goes_on_from_the_first};
 use femdem_contact::{ContactParameters, Partner, PeriodicCell, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::material::{AnyMaterial, J2, NeoHookean};
@@ -229,6 +229,19 @@ fn a_heap_in_motion_is_shared_from_the_first() {
         world.step().unwrap();
     }
     goes_on_from_the_first(&world, 200);
+}
+
+#[test]
+fn bodies_of_both_kinds_may_leave_a_heap() {
+    let spec = |k: u32| {
+        let at = Vector3::new(f64::from(2 * k % 7) + 1.0, 0.8, 3.5 + f64::from(k)) * (1.2 * EDGE);
+        let pose = Pose::from_parts(Translation3::from(at), UnitQuaternion::identity());
+        BodySpec {
+            velocity: Vector3::new(0.0, 0.0, -3.0),
+            ..BodySpec::at_rest(k % 3, 1500.0, pose)
+        }
+    };
+    comes_and_goes_alike(&heap(true), [[6, 3], [2, 9]], spec);
 }
 
 #[test]

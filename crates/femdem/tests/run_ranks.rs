@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use femdem::run::{Ending, Part, Run, Scenario};
+use femdem::run::{Ending, Member, Part, Run, Scenario};
 use femdem::solve::{Alone, Halo};
 
 use crate::threads::Threads;
@@ -46,21 +46,29 @@ fn result(run: &Run, folder: &Path) -> Result {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         (name, fs::read(path).unwrap())
     };
+    let mut files: BTreeMap<String, Vec<u8>> = files.map(file).collect();
+    let flow = fs::read(folder.join("flow.csv")).unwrap_or_default();
+    files.insert("flow.csv".to_owned(), flow);
     let time = run.simulation().world.time();
-    (files.map(file).collect(), run.ending(), time)
+    (files, run.ending(), time)
 }
 
 /// A rank's part of a run to its end, or so many steps, with what the first one has made.
 fn on_rank(text: &str, folder: &Path, steps: u64, halo: &mut dyn Halo) -> Option<Run> {
-    let mut run = (halo.rank() == 0).then(|| {
+    let run = (halo.rank() == 0).then(|| {
         let mut run = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
         run.advance(folder, 0).unwrap();
         run
     });
+    finish(run, folder, steps, halo)
+}
+
+/// The same of a run that the first rank has.
+fn finish(mut run: Option<Run>, folder: &Path, steps: u64, halo: &mut dyn Halo) -> Option<Run> {
     let mut part = Part::share_out(run.as_mut(), halo).unwrap();
-    assert!(part.world().own_bodies(0).next().is_some());
+    assert!(part.is_relaxing() || part.world().own_bodies(0).next().is_some());
     let mut ended = false;
-    while !ended && part.world().steps() < steps {
+    while !ended && part.steps() < steps {
         let may_end = part.step(halo).unwrap();
         let mut due = [run.as_ref().map_or(f64::INFINITY, Run::next_due)];
         halo.least(&mut due).unwrap();
@@ -68,7 +76,7 @@ fn on_rank(text: &str, folder: &Path, steps: u64, halo: &mut dyn Halo) -> Option
             ended = part.go_on(run.as_mut(), folder, halo).unwrap();
         }
     }
-    if !ended {
+    if !ended && !part.is_relaxing() {
         part.go_on(run.as_mut(), folder, halo).unwrap();
     }
     run
@@ -159,31 +167,201 @@ table = [[0.2, 0], [0.25, 1]]"#;
     }
 }
 
+/// Rubber between stones, which the first rank relaxes: from the end of the motion, and in a run that goes on in the relaxation.
+#[test]
+fn a_relaxation_over_ranks_is_that_alone() {
+    let rubber = r#"[material.rubber]
+density = 1200
+law = "neo-hookean"
+young = 1e6
+poisson = 0.3
+[[body]]
+name = "rubber"
+block = [1, 1, 1]
+sides = [0.1, 0.1, 0.1]
+material = "rubber"
+behaviour = "deformable"
+position = [0.11, 0.075, 0.2]
+copies = { count = [2, 1, 1], spacing = [0.2, 0.1, 0.1] }"#;
+    let text = STONES.replace("duration = 3", "duration = 0.16");
+    let text = format!("relax = {{ tolerance = 1e-9, steps = 5000 }}\n{text}\n{rubber}");
+    let expected = alone(&text);
+    assert_eq!(expected.1, Some(Ending::Time));
+    for size in [2, 3] {
+        assert!(shared(&text, size) == expected, "{size} ranks");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let runs = Threads::each(2, |halo| on_rank(&text, path, 4000, halo));
+    let mut first = runs.into_iter().flatten().next().unwrap();
+    let so_far = first.relaxation().map(|relaxed| relaxed.steps);
+    assert!(
+        first.ending().is_none() && so_far == Some(4000),
+        "{so_far:?}"
+    );
+    first.flush(path).unwrap();
+    first.save(path, &femdem::Usage::default()).unwrap();
+    let runs = Threads::each(3, |halo| {
+        let read = || Run::read(path).unwrap().0;
+        finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
+    });
+    let last = runs.into_iter().flatten().next().unwrap();
+    assert!(result(&last, path) == expected);
+}
+
+/// Stones on a floor that leans over, some of which are pushed, until a wall opens; others come between and behind them.
+const FLOWING: &str = r#"
+duration = 0.5
+every = 0.05
+history-every = 0.01
+gravity = [4, 0, -9]
+
+[contact]
+friction = 0.3
+damping = 0.5
+penalty = 1e6
+
+[material.stone]
+density = 2500
+
+[[wall]]
+name = "floor"
+plane = { normal = [0, 0, 1] }
+[[wall]]
+name = "back"
+plane = { normal = [1, 0, 0] }
+[[wall]]
+name = "right"
+plane = { normal = [0, 1, 0] }
+[[wall]]
+name = "left"
+plane = { normal = [0, -1, 0], offset = -0.15 }
+[[wall]]
+name = "gate"
+plane = { normal = [-1, 0, 0], offset = -0.43 }
+opens = 0.12
+
+[[body]]
+name = "stone"
+shape = "A10"
+diameter = 0.05
+material = "stone"
+position = [0.03, 0.035, 0.03]
+copies = { count = [7, 2, 2], spacing = [0.058, 0.07, 0.07], seed = 1 }
+
+[[source]]
+name = "rain"
+shape = "cube"
+diameter = 0.03
+material = "stone"
+lower = [0.04, 0.03, 0.12]
+upper = [0.4, 0.12, 0.2]
+velocity = [0, 0, -1]
+rate = 60
+number = 20
+[[source]]
+name = "row"
+shape = "sphere"
+diameter = 0.04
+material = "stone"
+places = [[0.05, 0.07, 0.2], [0.05, 0.07, 0.21], [0.2, 0.07, 0.25], [0.05, 0.07, 0.2]]
+rate = 100
+start = 0.3
+
+[[load]]
+bodies = ["rain", "stone 3"]
+acceleration = [1, 0, 0]
+
+[[gauge]]
+name = "line"
+plane = { normal = [-1, 0, 0], offset = -0.46 }
+[[sink]]
+name = "end"
+plane = { normal = [-1, 0, 0], offset = -0.52 }
+[[sink]]
+name = "below"
+plane = { normal = [0, 0, 1], offset = -0.5 }
+"#;
+
+/// Bodies get the numbers of those that have left; the run also goes on from a checkpoint on another number of ranks.
+#[test]
+fn what_flows_over_ranks_is_what_flows_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = Run::new(Scenario::from_toml(FLOWING).unwrap()).unwrap();
+    run.advance(folder.path(), u64::MAX).unwrap();
+    let expected = result(&run, folder.path());
+    let members = &run.simulation().members;
+    let left = members.iter().filter(|m| m.id == Member::GONE).count();
+    assert!(
+        left > 10 && members.len() > 40,
+        "{left} of {}",
+        members.len()
+    );
+    let last = members
+        .iter()
+        .map(|m| m.id)
+        .filter(|id| *id != Member::GONE);
+    assert!(last.max().unwrap() < members.len() as u32 - 5);
+    for size in [1, 2, 3] {
+        assert!(shared(FLOWING, size) == expected, "{size} ranks");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let half = run.simulation().world.steps() * 2 / 3;
+    let runs = Threads::each(3, |halo| on_rank(FLOWING, path, half, halo));
+    let mut first = runs.into_iter().flatten().next().unwrap();
+    assert!(
+        first
+            .simulation()
+            .members
+            .iter()
+            .any(|m| m.id == Member::GONE)
+    );
+    first.flush(path).unwrap();
+    first.save(path, &femdem::Usage::default()).unwrap();
+    let runs = Threads::each(2, |halo| {
+        let read = || Run::read(path).unwrap().0;
+        finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
+    });
+    let last = runs.into_iter().flatten().next().unwrap();
+    assert!(result(&last, path) == expected);
+    assert_eq!(last.simulation().members, *members);
+}
+
 #[test]
 fn what_ranks_cannot_do_is_said() {
-    let fed = format!(
-        "{STONES}\n[[source]]\nname = \"more\"\nshape = \"cube\"\nsize = 0.02\nmaterial = \"stone\"\nlower = [0.1, 0.05, 0.2]\nupper = [0.2, 0.1, 0.3]\nrate = 10\nnumber = 5"
-    );
-    let relaxed = format!("relax = {{ tolerance = 1e-3 }}\n{STONES}");
-    for (text, expected) in [(fed, "source"), (relaxed.clone(), "relax")] {
-        let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
-        let refused = Part::share_out(Some(&mut run), &mut Alone).err().unwrap();
-        let refused = refused.to_string();
-        assert!(
-            refused.contains(expected) && refused.contains("femdem run"),
-            "{refused}"
-        );
-    }
+    let breakable = r#"[material.plaster]
+density = 1500
+law = "neo-hookean"
+young = 1e9
+poisson = 0.2
+[material.plaster.fracture]
+tensile = 1e5
+cohesion = 3e5
+friction-angle = 30
+energy = [10, 50]
+[[body]]
+name = "block"
+block = [1, 1, 1]
+sides = [0.05, 0.05, 0.05]
+material = "plaster"
+behaviour = "breakable"
+position = [0.1, 0.075, 0.25]"#;
+    let text = format!("{STONES}\n{breakable}");
+    let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+    let refused = Part::share_out(Some(&mut run), &mut Alone).err().unwrap();
+    let refused = refused.to_string();
+    assert!(refused.contains("breakable"), "{refused}");
     // The run stays whole, and the others are told.
     let errors = Threads::each(2, |halo| {
-        let new = || Run::new(Scenario::from_toml(&relaxed).unwrap()).unwrap();
+        let new = || Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
         let mut run = (halo.rank() == 0).then(new);
         let refused = Part::share_out(run.as_mut(), halo).err().unwrap();
         let world = run.as_ref().map(|run| &run.simulation().world);
-        assert!(world.is_none_or(|world| world.body_count() == 28));
+        assert!(world.is_none_or(|world| world.body_count() == 29));
         refused.to_string()
     });
-    assert!(errors[0].contains("relax") && errors[1].contains("the first rank gives"));
+    assert!(errors[0].contains("breakable") && errors[1].contains("the first rank gives"));
     let none = Part::share_out(None, &mut Alone).err().unwrap().to_string();
     assert!(none.contains("the first rank gives"), "{none}");
 }

@@ -19,8 +19,8 @@ pub type BondId = u32;
 /// Bonds that have ended.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct EndedBonds {
-    /// What they held, J.
-    pub held: f64,
+    /// What they held, by pair of bodies, the lower number first, J.
+    pub held: BTreeMap<(BodyId, BodyId), f64>,
     /// Pairs of bodies that no bond holds any more, ascending: they meet by the kernel again.
     pub parted: BTreeSet<(BodyId, BodyId)>,
 }
@@ -28,7 +28,10 @@ pub struct EndedBonds {
 /// All bonds, and which bodies they hold.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Bonds {
-    list: Vec<Option<Bond>>,
+    /// Those that have not gone, ascending.
+    list: Vec<(BondId, Bond)>,
+    /// How many were added.
+    added: BondId,
     /// Those of each body that have not ended, ascending.
     of: BTreeMap<BodyId, Vec<BondId>>,
     /// Pairs that such bonds hold, lower number first, and how many.
@@ -40,7 +43,7 @@ pub(super) struct Bonds {
     held: bool,
 }
 
-/// A pair, lower number first.
+/// A pair, lower number first. A bond is on the books of the batch that the other one belongs to, as a contact.
 fn key([a, b]: [BodyId; 2]) -> (BodyId, BodyId) {
     (a.min(b), a.max(b))
 }
@@ -88,7 +91,34 @@ impl Bonds {
     fn of(&self, body: BodyId) -> impl Iterator<Item = &Bond> {
         let list = self.of.get(&body);
         let ids = list.into_iter().flatten();
-        ids.filter_map(|id| self.list.get(*id as usize)?.as_ref())
+        ids.filter_map(|id| self.get(*id))
+    }
+
+    fn get(&self, id: BondId) -> Option<&Bond> {
+        let at = self.list.binary_search_by_key(&id, |(id, _)| *id).ok()?;
+        Some(&self.list[at].1)
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Bond> {
+        self.list.iter().map(|(_, bond)| bond)
+    }
+
+    fn alive(&self) -> impl Iterator<Item = &Bond> {
+        self.iter().filter(|bond| !bond.has_ended())
+    }
+
+    /// Takes all out.
+    pub fn take(&mut self) -> Vec<(BondId, Bond)> {
+        let list = std::mem::take(&mut self.list);
+        self.index();
+        list
+    }
+
+    /// Gives bonds where there are none.
+    pub fn give(&mut self, mut bonds: Vec<(BondId, Bond)>) {
+        bonds.sort_by_key(|(id, _)| *id);
+        self.list = bonds;
+        self.index();
     }
 
     /// The bodies that bonds hold to one.
@@ -99,30 +129,17 @@ impl Bonds {
 
     /// Removes the bonds of a body.
     pub fn forget(&mut self, body: BodyId) {
-        if !self
-            .list
-            .iter()
-            .flatten()
-            .any(|b| b.bodies().contains(&body))
-        {
-            return;
+        let before = self.list.len();
+        self.list.retain(|(_, bond)| !bond.bodies().contains(&body));
+        if self.list.len() < before {
+            self.index();
         }
-        for bond in &mut self.list {
-            if bond.as_ref().is_some_and(|b| b.bodies().contains(&body)) {
-                *bond = None;
-            }
-        }
-        self.index();
     }
 
     /// Makes the lists of the bonds that have not ended.
     fn index(&mut self) {
-        let alive = (0..).zip(&self.list);
-        let alive = alive.filter_map(|(id, bond)| Some((id, bond.as_ref()?)));
-        let alive: Vec<_> = alive
-            .filter(|(_, bond)| !bond.has_ended())
-            .map(|(id, bond)| (id, bond.bodies()))
-            .collect();
+        let alive = self.list.iter().filter(|(_, bond)| !bond.has_ended());
+        let alive: Vec<_> = alive.map(|(id, bond)| (*id, bond.bodies())).collect();
         self.of.clear();
         self.pairs.clear();
         for (id, bodies) in alive {
@@ -134,30 +151,30 @@ impl Bonds {
     pub fn are_sound(&self, is_rigid: impl Fn(BodyId) -> bool) -> bool {
         let mut right = self.clone();
         right.index();
-        let all = || self.list.iter().flatten();
+        let ascending = self.list.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let last = self.list.last();
+        let numbered = ascending && last.is_none_or(|(id, _)| *id < self.added);
         let fits = |bond: &Bond| {
             let [a, b] = bond.bodies();
             a != b && is_rigid(a) && is_rigid(b) && bond.is_sound()
         };
-        right.of == self.of && right.pairs == self.pairs && all().all(fits)
+        numbered && right.of == self.of && right.pairs == self.pairs && self.iter().all(fits)
     }
 
-    /// Evaluates all that hold an awake body.
-    pub fn update(&mut self, bodies: &[Motion], awake: &[bool]) {
+    /// Evaluates all that hold an awake body; `is_guest` tells bodies of other batches.
+    pub fn update(&mut self, bodies: &[Motion], awake: &[bool], is_guest: impl Fn(BodyId) -> bool) {
         self.lost = [0.0; 2];
         if self.pairs.is_empty() {
             return;
         }
         let takes = !self.held;
-        let evaluate = |bond: &mut Option<Bond>| {
-            let due = bond.as_mut().filter(|bond| {
-                let moves = |i: BodyId| awake.get(i as usize).copied().unwrap_or(false);
-                !bond.has_ended() && bond.bodies().into_iter().any(moves)
-            });
-            due.map_or_else(GlueLoss::default, |bond| {
-                let motions = bond.bodies().map(|i| &bodies[i as usize]);
-                bond.evaluate(motions, takes)
-            })
+        let evaluate = |(_, bond): &mut (BondId, Bond)| {
+            let moves = |i: BodyId| awake.get(i as usize).copied().unwrap_or(false);
+            if bond.has_ended() || !bond.bodies().into_iter().any(moves) {
+                return GlueLoss::default();
+            }
+            let motions = bond.bodies().map(|i| &bodies[i as usize]);
+            bond.evaluate(motions, takes)
         };
         #[cfg(feature = "parallel")]
         let losses: Vec<GlueLoss> =
@@ -169,10 +186,14 @@ impl Bonds {
             };
         #[cfg(not(feature = "parallel"))]
         let losses: Vec<GlueLoss> = self.list.iter_mut().map(evaluate).collect();
-        for loss in losses {
-            self.lost[0] += loss.glue;
-            self.lost[1] += loss.friction;
+        let booked = losses.iter().zip(self.iter());
+        let booked = booked.filter(|(_, bond)| !is_guest(key(bond.bodies()).1));
+        let mut lost = [0.0; 2];
+        for (loss, _) in booked {
+            lost[0] += loss.glue;
+            lost[1] += loss.friction;
         }
+        self.lost = lost;
     }
 
     /// Adds the loads of the bonds of awake bodies, in the order of the bonds.
@@ -180,7 +201,7 @@ impl Bonds {
         if self.pairs.is_empty() {
             return;
         }
-        for bond in self.list.iter().flatten().filter(|bond| !bond.has_ended()) {
+        for bond in self.alive() {
             for (k, i) in bond.bodies().into_iter().enumerate() {
                 if awake[i as usize] {
                     add_to(&mut loads[i as usize], bond, k);
@@ -263,8 +284,9 @@ impl ContactBatch {
         )?;
         let sides = [a, b].map(|body| &motions[body as usize]);
         let bond = Bond::new([a, b], section, law, sides)?;
-        let id = self.bonds.list.len() as BondId;
-        self.bonds.list.push(Some(bond));
+        let id = self.bonds.added;
+        self.bonds.added += 1;
+        self.bonds.list.push((id, bond));
         self.bonds.enter(id, [a, b]);
         self.pairs.part(key([a, b]));
         Ok(id)
@@ -294,13 +316,12 @@ impl ContactBatch {
 
     /// All bonds with their numbers, ascending; those that have ended too.
     pub fn bonds(&self) -> impl Iterator<Item = (BondId, &Bond)> {
-        let list = (0..).zip(&self.bonds.list);
-        list.filter_map(|(id, bond)| Some((id, bond.as_ref()?)))
+        self.bonds.list.iter().map(|(id, bond)| (*id, bond))
     }
 
     /// A bond; `None` for one that was never added or whose body has gone.
     pub fn bond(&self, id: BondId) -> Option<&Bond> {
-        self.bonds.list.get(id as usize)?.as_ref()
+        self.bonds.get(id)
     }
 
     /// Whether any bond has not ended.
@@ -320,7 +341,7 @@ impl ContactBatch {
 
     /// How many bonds were added so far; those that have ended or gone count too.
     pub fn bonds_added(&self) -> usize {
-        self.bonds.list.len()
+        self.bonds.added as usize
     }
 
     /// Lets bonds change nothing for good from now on: they neither give way nor slide. For displacements that only measure, on a
@@ -331,8 +352,7 @@ impl ContactBatch {
 
     /// The largest part of critical damping of the bonds that have not ended.
     pub fn damping_of_bonds(&self) -> f64 {
-        let alive = self.bonds.list.iter().flatten();
-        let alive = alive.filter(|bond| !bond.has_ended());
+        let alive = self.bonds.alive();
         alive.map(|bond| bond.law().damping).fold(0.0, f64::max)
     }
 
@@ -345,9 +365,8 @@ impl ContactBatch {
     pub fn step_of_bonds(&self, motions: &[Motion], share: f64) -> Result<f64, ContactError> {
         self.check_motions(motions)?;
         let awake = |bond: &&Bond| bond.bodies().into_iter().any(|i| self.is_awake(i));
-        let alive = self.bonds.list.iter().flatten();
+        let alive = self.bonds.alive();
         let steps = alive
-            .filter(|bond| !bond.has_ended())
             .filter(awake)
             .map(|bond| bond.resolving_step(bond.bodies().map(|i| &motions[i as usize]), share));
         Ok(steps.fold(f64::INFINITY, f64::min))
@@ -365,11 +384,14 @@ impl ContactBatch {
         })
     }
 
-    /// Energy stored in the bonds, J; with a body, in those of it alone.
+    /// Energy stored in the bonds that are on the books here, J; with a body, in those of it alone.
     pub fn stored_in_bonds(&self, body: impl Into<Option<BodyId>>) -> f64 {
         let body = body.into();
-        let own = |bond: &&Bond| body.is_none_or(|body| bond.bodies().contains(&body));
-        let all = self.bonds.list.iter().flatten().filter(own);
+        let own = |bond: &&Bond| {
+            let is_of = body.is_none_or(|body| bond.bodies().contains(&body));
+            is_of && !self.is_guest(key(bond.bodies()).1)
+        };
+        let all = self.bonds.iter().filter(own);
         0.0 + all.map(|bond| bond.state().energy).sum::<f64>()
     }
 
@@ -428,14 +450,12 @@ impl ContactBatch {
         if self.bonds.pairs.is_empty() {
             return Ok(ended);
         }
-        for id in 0..self.bonds.list.len() {
-            let Some(bond) = &mut self.bonds.list[id] else {
-                continue;
-            };
-            let bodies = bond.bodies();
+        for at in 0..self.bonds.list.len() {
+            let (id, bond) = &mut self.bonds.list[at];
+            let (id, bodies) = (*id, bond.bodies());
             if bond.may_end(time, bodies.map(|i| &motions[i as usize])) {
-                ended.held += bond.end();
-                if self.bonds.leave(id as BondId, bodies) {
+                *ended.held.entry(key(bodies)).or_default() += bond.end();
+                if self.bonds.leave(id, bodies) {
                     ended.parted.insert(key(bodies));
                 }
             }

@@ -522,7 +522,8 @@ impl ContactBatch {
         if now.pace.dt > 0.0 {
             self.sums.totals.broken += self.pairs.broken;
         }
-        self.bonds.update(bodies, &self.awake);
+        let is_guest = |body| self.pairs.is_guest(body);
+        self.bonds.update(bodies, &self.awake, is_guest);
         self.bonds.add_loads(&self.awake, &mut self.sums.loads);
         self.sum_loads_of_awake();
         self.check_results(bodies)

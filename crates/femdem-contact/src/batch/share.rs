@@ -5,8 +5,10 @@
 //! contacts do to its nodes.
 
 use super::ContactBatch;
+use super::bonds::BondId;
 use super::pairs::{Pair, PairTable};
 use crate::body_shape::Kind;
+use crate::bond::Bond;
 use crate::broadphase::Entry;
 use crate::contact::{BodyId, Load, Partner};
 use crate::deform::{DeformablePart, Side, Sleep, SoftBody, SoftPair};
@@ -45,7 +47,7 @@ impl BodyRecord {
 /// Bodies with their numbers, ascending.
 pub type BodyRecords = Vec<(BodyId, BodyRecord)>;
 
-/// A candidate pair: what it remembers, and its contacts.
+/// A candidate pair: what it remembers, and its contacts; or a bond of two bodies.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PairRecord(Candidate);
 
@@ -54,14 +56,28 @@ enum Candidate {
     Rigid(Box<Pair>),
     /// With a deformable body.
     Soft(Box<SoftPair>),
+    /// With its number.
+    Bond(Box<(BondId, Bond)>),
 }
 
 impl PairRecord {
+    /// The bond, if it is one.
+    pub fn bond(&self) -> Option<&Bond> {
+        match &self.0 {
+            Candidate::Bond(numbered) => Some(&numbered.1),
+            Candidate::Rigid(_) | Candidate::Soft(_) => None,
+        }
+    }
+
     /// Its sides.
     pub fn sides(&self) -> (Partner, BodyId) {
         match &self.0 {
             Candidate::Rigid(pair) => (pair.a, pair.b),
             Candidate::Soft(pair) => (pair.a.into(), pair.b),
+            Candidate::Bond(numbered) => {
+                let [a, b] = numbered.1.bodies();
+                (Partner::Body(a), b)
+            }
         }
     }
 
@@ -73,6 +89,11 @@ impl PairRecord {
             Candidate::Soft(pair) => {
                 let pair = pair.renumbered(number)?;
                 return Some(Self(Candidate::Soft(Box::new(pair))));
+            }
+            Candidate::Bond(numbered) => {
+                let (id, bond) = *numbered;
+                let bond = bond.renumbered(number)?;
+                return Some(Self(Candidate::Bond(Box::new((id, bond)))));
             }
         };
         if let Partner::Body(a) = pair.a {
@@ -104,22 +125,25 @@ impl PairRecord {
                 };
                 a_is_there && is_there(pair.b, true)
             }
+            Candidate::Bond(numbered) => {
+                let [a, b] = numbered.1.bodies();
+                a != b && is_there(a, false) && is_there(b, false)
+            }
         }
     }
 }
 
 impl ContactBatch {
-    /// Takes all bodies out, with their pairs. Walls and shapes stay.
+    /// Takes all bodies out, with their pairs and bonds. Walls and shapes stay.
     ///
     /// # Errors
-    /// [`ContactError::Parameter`] if there are bonds, contacts whose friction [begins](Self::begin_friction) in the next update, or
+    /// [`ContactError::Parameter`] if there are contacts whose friction [begins](Self::begin_friction) in the next update, or
     /// rigid bodies whose pairs with deformable ones an update has not listed yet: they cannot be shared out. Nothing is taken then.
     pub fn take_bodies(&mut self) -> Result<(BodyRecords, Vec<PairRecord>), ContactError> {
         let allowed = "0 in a batch whose bodies are shared out";
         let part = self.deformable.as_deref();
         let unlisted = part.map_or(0, DeformablePart::unlisted);
         for (name, count) in [
-            ("number of bonds", self.bonds().count()),
             (
                 "number of contacts whose friction begins",
                 usize::from(self.begins_friction()),
@@ -144,7 +168,9 @@ impl ContactBatch {
         let rigid = self.pairs.take().into_iter();
         let rigid = rigid.map(|pair| Candidate::Rigid(Box::new(pair)));
         let soft = soft.into_iter().map(|pair| Candidate::Soft(Box::new(pair)));
-        let pairs = rigid.chain(soft).map(PairRecord).collect();
+        let bonds = self.bonds.take().into_iter();
+        let bonds = bonds.map(|bond| Candidate::Bond(Box::new(bond)));
+        let pairs = rigid.chain(soft).chain(bonds).map(PairRecord).collect();
         self.give_bodies(0, Vec::new(), Vec::new())?;
         Ok((bodies, pairs))
     }
@@ -229,14 +255,16 @@ impl ContactBatch {
                 soft_bodies.push((id, body));
             }
         }
-        let (mut rigid, mut soft) = (Vec::new(), Vec::new());
+        let (mut rigid, mut soft, mut bonds) = (Vec::new(), Vec::new(), Vec::new());
         for PairRecord(pair) in pairs {
             match pair {
                 Candidate::Rigid(pair) => rigid.push(*pair),
                 Candidate::Soft(pair) => soft.push(*pair),
+                Candidate::Bond(numbered) => bonds.push(*numbered),
             }
         }
         self.pairs.give(kinds, guests, rigid);
+        self.bonds.give(bonds);
         self.sum_wall_loads();
         self.sum_edges();
         if let Some(part) = &mut self.deformable {

@@ -110,6 +110,13 @@ impl Bond {
         self.bodies
     }
 
+    /// Gives its bodies other numbers. `None` if one of them has none.
+    pub(crate) fn renumbered(mut self, number: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+        let [a, b] = self.bodies;
+        self.bodies = [number(a)?, number(b)?];
+        Some(self)
+    }
+
     /// Its law.
     #[must_use]
     pub fn law(&self) -> &BondLaw {

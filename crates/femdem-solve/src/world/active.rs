@@ -53,7 +53,7 @@ impl World {
         let recheck = u64::from(self.parameters.sleeping.recheck());
         if self.steps.is_multiple_of(recheck) {
             self.tell_rest(halo)?;
-            let sleepers = self.bodies_to_freeze();
+            let sleepers = self.with_all_bonded(self.bodies_to_freeze(), halo)?;
             let wakers = self.bodies_to_wake();
             self.freeze(&sleepers);
             self.wake(&wakers);
@@ -166,8 +166,7 @@ impl World {
             Partner::Body(j) => self.batch.is_awake(j) || self.stays_balanced(j),
             Partner::Wall(_) => true,
         };
-        let list = self
-            .awake
+        self.awake
             .iter()
             .copied()
             .filter(|&i| {
@@ -178,8 +177,7 @@ impl World {
                         .rigid_contacts_of(i)
                         .all(|c| settled(c.a) && settled(Partner::Body(c.b)))
             })
-            .collect();
-        self.with_all_bonded(list)
+            .collect()
     }
 
     /// Whether the recorded forces of a frozen body balance well enough for it to stay asleep. Its means

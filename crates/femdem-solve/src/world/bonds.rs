@@ -1,11 +1,13 @@
 //! Bonds between the rigid bodies of a world.
 
 use super::World;
+use super::active::is_any;
 use super::hand::Stored;
 use crate::error::{SolveError, check};
+use crate::halo::Halo;
 use femdem_contact::bond::{Bond, BondLaw, BondSection};
 use femdem_contact::{BodyId, BondId, Contact, Motion, Partner};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl World {
     /// Bonds two rigid bodies as they lie, without force, over a section in world coordinates: mortar, cement, a glued clump.
@@ -123,56 +125,98 @@ impl World {
     }
 
     /// Ends bonds that carry nothing any more. Pairs that no bond holds any more meet again at once.
-    pub(super) fn end_bonds(&mut self) -> Result<(), SolveError> {
+    pub(super) fn end_bonds(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         let ended = self.batch.end_bonds(&self.motions, self.time)?;
-        let mut begun = 0.0;
-        if !ended.parted.is_empty() {
-            self.evaluate(0.0)?;
-            let contacts = self.batch.rigid_contacts().into_iter();
-            let new = contacts.filter(|c| match c.a {
-                Partner::Body(a) => ended.parted.contains(&(a.min(c.b), a.max(c.b))),
-                Partner::Wall(_) => false,
-            });
-            begun = new.map(|c| c.potential()).sum();
+        let mut parted = !ended.parted.is_empty();
+        if self.shares_bonds() {
+            parted = is_any(parted, halo)?;
         }
-        let more = begun - ended.held;
-        self.flows.bonds.lent += more.max(0.0);
-        self.flows.bonds.released += (-more).max(0.0);
+        let held = ended.held.into_iter();
+        let held = held.filter(|((_, b), _)| !self.is_guest(*b));
+        let mut more: BTreeMap<_, f64> = held.map(|(pair, held)| (pair, -held)).collect();
+        if parted {
+            // Guests have the velocities of the half step.
+            self.meet_guests(halo)?;
+            self.evaluate(0.0)?;
+            for contact in self.batch.booked_contacts() {
+                let Partner::Body(a) = contact.a else {
+                    continue;
+                };
+                let pair = (a.min(contact.b), a.max(contact.b));
+                if ended.parted.contains(&pair) {
+                    *more.entry(pair).or_default() += contact.potential();
+                }
+            }
+        }
+        for more in more.into_values() {
+            self.flows.bonds.lent += more.max(0.0);
+            self.flows.bonds.released += (-more).max(0.0);
+        }
         Ok(())
     }
 
-    /// Those of a list of free bodies, ascending, all of whose bonded bodies are in it or asleep. Bodies that follow a drive hold
-    /// what is bonded to them apart.
-    pub(super) fn with_all_bonded(&self, list: Vec<BodyId>) -> Vec<BodyId> {
-        if !self.batch.has_bonds() {
-            return list;
+    /// Those of a list of free bodies, ascending, all of whose bonded bodies are in it or asleep, on all ranks. Bodies that follow a
+    /// drive hold what is bonded to them apart.
+    pub(super) fn with_all_bonded(
+        &self,
+        list: Vec<BodyId>,
+        halo: &mut dyn Halo,
+    ) -> Result<Vec<BodyId>, SolveError> {
+        let shared = self.shares_bonds();
+        let none = match shared {
+            true => !is_any(!list.is_empty(), halo)?,
+            false => !self.batch.has_bonds(),
+        };
+        if none {
+            return Ok(list);
         }
-        let mut left: BTreeSet<BodyId> = list.iter().copied().collect();
-        let mut kept = Vec::new();
-        while let Some(first) = left.pop_first() {
-            let mut piece = self.piece_of(&[first]);
-            piece.retain(|i| self.is_free(*i));
-            let rests = |i: &BodyId| *i == first || left.contains(i) || !self.batch.is_awake(*i);
-            let all_rest = piece.iter().all(rests);
-            let own = piece.into_iter().filter(|i| *i == first || left.remove(i));
-            // Those that do not rest as a whole are taken out of the list, too.
-            let own: Vec<BodyId> = own.collect();
-            if all_rest {
-                kept.extend(own);
+        // Those that do not rest, and what bonds hold to them.
+        let mut stays = vec![false; self.bodies.len()];
+        for &i in &self.awake {
+            stays[i as usize] = self.is_free(i) && list.binary_search(&i).is_err();
+        }
+        loop {
+            let known = (0..).zip(&stays).filter(|(_, stays)| **stays);
+            let known: Vec<BodyId> = known.map(|(i, _)| i).collect();
+            for i in self.piece_of(&known) {
+                stays[i as usize] |= self.is_free(i);
+            }
+            if !shared {
+                break;
+            }
+            let more = self.tell_marks(&mut stays, halo)?;
+            if !is_any(more, halo)? {
+                break;
             }
         }
-        kept.sort_unstable();
-        kept
+        let rests = |i: &BodyId| !stays[*i as usize];
+        Ok(list.into_iter().filter(rests).collect())
     }
 
-    /// The sleepers of a list, and those bonded to them.
+    /// The sleepers of a list, and those bonded to them, that belong to this rank.
     pub(super) fn with_bonded_sleepers(&self, list: &[BodyId]) -> Vec<BodyId> {
         if !self.batch.has_bonds() {
             return list.to_vec();
         }
         let mut all = self.piece_of(list);
-        all.retain(|i| !self.batch.is_awake(*i));
+        all.retain(|i| !self.batch.is_awake(*i) && !self.is_guest(*i));
         all
+    }
+
+    /// Sleepers of this rank bonded to bodies that are awake and free: those of another rank, which have just woken.
+    pub(super) fn sleepers_beside_bonded(&self) -> Vec<BodyId> {
+        let alive = self.bonds().filter(|(_, bond)| !bond.has_ended());
+        let beside = alive.filter_map(|(_, bond)| {
+            let [a, b] = bond.bodies();
+            let sleeper = match [a, b].map(|i| self.batch.is_awake(i)) {
+                [true, false] => b,
+                [false, true] => a,
+                _ => return None,
+            };
+            let are_free = self.is_free(a) && self.is_free(b);
+            (are_free && !self.is_guest(sleeper)).then_some(sleeper)
+        });
+        Vec::from_iter(beside.collect::<BTreeSet<BodyId>>())
     }
 
     /// What bonds hold together with bodies of a list, without what lies behind bodies that follow a drive; these are in it.

@@ -1,5 +1,6 @@
 //! Making a world, adding to it, and bringing it back from bytes.
 
+use super::lists::place;
 use super::ranks::Whose;
 use super::{Counters, World};
 use crate::body::{Body, BodySpec, Shape, ShapeId};
@@ -178,7 +179,6 @@ impl World {
     /// and the index is its number in the whole. Other methods take that [here](Self::number_here).
     ///
     /// # Errors
-    /// [`SolveError::Ranks`] in a world that is shared out and from which bodies were removed before.
     /// [`SolveError::NoSuch`] for an unknown shape, [`SolveError::Parameter`] for a density
     /// that is not positive or a pose or velocity that is not finite.
     pub fn add_body(&mut self, spec: BodySpec) -> Result<BodyId, SolveError> {
@@ -356,12 +356,4 @@ pub(super) fn meets_deformables(shape: &BodyShape) -> Result<(), SolveError> {
         convex.fan()?;
     }
     Ok(())
-}
-
-/// Writes an item of a list by number, which may be the next one.
-pub(super) fn place<T>(list: &mut Vec<T>, id: u32, item: T) {
-    match list.get_mut(id as usize) {
-        Some(slot) => *slot = item,
-        None => list.push(item),
-    }
 }

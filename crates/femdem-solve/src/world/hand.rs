@@ -37,7 +37,12 @@ impl World {
     /// [`SolveError::NoSuch`] for an unknown body, and after [implicit](crate::ImplicitStep) steps, whose contacts are
     /// evaluated first, the errors of [`World::step`].
     pub fn remove_body(&mut self, id: BodyId) -> Result<(), SolveError> {
-        self.not_shared("removing bodies")?;
+        self.not_shared("removing bodies by one rank")?;
+        self.take_away(id)
+    }
+
+    /// Removes a body here; of a guest its owner books what it has.
+    pub(super) fn take_away(&mut self, id: BodyId) -> Result<(), SolveError> {
         self.known(id)?;
         self.evaluate_pending()?;
         let i = id as usize;
@@ -45,7 +50,9 @@ impl World {
         self.flows.by_hand -= self.batch.stored_in_bonds(id);
         let energy = self.forget_nodes(id);
         let energy = energy.unwrap_or_else(|| self.bodies[i].energy(&self.parameters.gravity));
-        self.flows.by_hand -= energy;
+        if !self.is_guest(id) {
+            self.flows.by_hand -= energy;
+        }
         let touched = self.batch.remove_body(id)?;
         self.bodies[i] = Body::vacant();
         self.motions[i] = Motion::fixed(Frame::identity());
@@ -57,13 +64,25 @@ impl World {
         Ok(())
     }
 
+    /// A body of other ranks was removed.
+    pub(super) fn note_removal(&mut self) -> Result<(), SolveError> {
+        self.evaluate_pending()?;
+        self.step_control.lose();
+        self.loaded = false;
+        Ok(())
+    }
+
     /// Removes a wall and its contacts. What touched it wakes. The index is given to the next wall that is added, unless a
     /// lower one is free; until then it names no wall.
     ///
     /// # Errors
     /// As [`World::remove_body`].
     pub fn remove_wall(&mut self, wall: u32) -> Result<(), SolveError> {
-        self.not_shared("removing walls")?;
+        self.not_shared("removing walls by one rank")?;
+        self.take_wall_away(wall)
+    }
+
+    pub(super) fn take_wall_away(&mut self, wall: u32) -> Result<(), SolveError> {
         let w = self.known_wall(wall)?;
         self.evaluate_pending()?;
         let stored = self.stored_by(Partner::Wall(wall));
@@ -261,13 +280,14 @@ impl World {
         Ok(())
     }
 
-    /// What the contacts of a body or a wall store.
+    /// What the contacts of a body or a wall store that are on the books here.
     pub(super) fn stored_by(&self, thing: Partner) -> Stored {
         let contacts = match thing {
             Partner::Body(id) => self.contacts_of(id),
             Partner::Wall(_) => self.contacts(),
         };
-        Stored::of(contacts.iter().filter(|contact| contact.has_side(thing)))
+        let booked = |contact: &&Contact| contact.has_side(thing) && !self.is_guest(contact.b);
+        Stored::of(contacts.iter().filter(booked))
     }
 
     /// What a deformable body stores where it touches itself.
@@ -286,11 +306,11 @@ impl World {
         self.judge_anew(touched);
     }
 
-    /// Judges rigid and deformable bodies anew, and wakes those of them that are asleep: what holds them has changed.
+    /// Judges rigid and deformable bodies of this rank anew, and wakes those of them that are asleep: what holds them has changed.
     pub(super) fn judge_anew(&mut self, touched: &[BodyId]) {
-        let (soft, rigid): (Vec<BodyId>, Vec<BodyId>) = touched
-            .iter()
-            .partition(|body| self.batch.is_deformable(**body));
+        let own = touched.iter().filter(|body| !self.is_guest(**body));
+        let (soft, rigid): (Vec<BodyId>, Vec<BodyId>) =
+            own.partition(|body| self.batch.is_deformable(**body));
         if let Some(deformables) = &mut self.deformables {
             for body in soft {
                 deformables.wake(body as usize, &mut self.batch);

@@ -9,6 +9,7 @@ mod guide;
 mod hand;
 mod hash;
 mod implicit;
+mod lists;
 mod materials;
 mod medium;
 mod newcomers;

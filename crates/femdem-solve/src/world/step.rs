@@ -107,7 +107,7 @@ impl World {
         let deformable = self.kick_deformables(0.5 * dt, stream);
         self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
-        self.end_bonds()?;
+        self.end_bonds(halo)?;
         self.update_active_set(halo)?;
         self.rest_deformables(halo)?;
         self.crack_deformables()?;

@@ -38,7 +38,8 @@ impl World {
             ));
         }
         let share = self.share.as_deref();
-        if share.is_some_and(|share| !share.is_sound(self.bodies.len())) {
+        let counts = [self.bodies.len(), self.batch.len()];
+        if share.is_some_and(|share| !share.is_sound(counts)) {
             return Err(inconsistent("its share of a whole does not fit".to_owned()));
         }
         let of_bodies = self.bodies.iter().filter_map(|b| b.driven.as_deref());

@@ -112,13 +112,6 @@ impl Simulation {
             .map_or(*x, |space| space.wrapped(&place).coords)
     }
 
-    /// From a place to the nearest image of another one, axis by axis \[m\].
-    pub(super) fn between(&self, from: &Vector3, to: &Vector3) -> Vector3 {
-        let way = to - from;
-        let cell = self.world.cell();
-        cell.map_or(way, |cell| cell.shortest(&way))
-    }
-
     /// The pose of a rigid body, or of the image of it that lies in the periodic cell.
     pub(super) fn shown(&self, id: BodyId) -> Option<Pose> {
         let (mut pose, centroid) = (self.world.pose(id)?, self.world.position(id)?);

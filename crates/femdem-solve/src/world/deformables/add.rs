@@ -6,7 +6,8 @@ use super::{ContactStiffness, DeformableSpec, Deformables, Model, ModelId, State
 use crate::body::{Body, check_velocities};
 use crate::error::{SolveError, check};
 use crate::world::World;
-use crate::world::build::{meets_deformables, place};
+use crate::world::build::meets_deformables;
+use crate::world::lists::place;
 use crate::world::periodic::apart;
 use crate::world::stored::inconsistent;
 use crate::world::time_step::USUAL_MOVE;

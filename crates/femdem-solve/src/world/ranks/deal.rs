@@ -32,7 +32,10 @@ impl World {
         };
         let cuts = self.cut(&of_first, halo)?;
         let whole = Whole::of(self, halo)?;
-        let (parts, _) = self.take_apart()?;
+        let (mut parts, _) = self.take_apart()?;
+        if halo.rank() > 0 {
+            parts.ended.clear();
+        }
         self.leave_books(halo);
         self.keep(cuts, whole, parts, halo)
     }
@@ -95,11 +98,12 @@ impl World {
         mut self,
         costs: &[(Vector3, u64)],
         whole: Whole,
-        parts: Parts,
+        mut parts: Parts,
         halo: &mut dyn Halo,
     ) -> Result<Self, SolveError> {
         let cuts = self.cut(costs, halo)?;
         let mut own = Parts {
+            ended: std::mem::take(&mut parts.ended),
             newcomers: parts.newcomers.clone(),
             ..Parts::default()
         };
@@ -316,6 +320,7 @@ impl World {
             bag.newcomers = parts.newcomers.clone();
         }
         let mut own = bags.remove(&halo.rank()).unwrap_or_default();
+        own.ended = parts.ended;
         let encoded = bags
             .iter()
             .map(|(rank, bag)| Ok((*rank, checkpoint::encode(bag)?)));
@@ -365,6 +370,17 @@ impl World {
             .into_iter()
             .filter(|pair| bodies_of(pair).any(|number| is_own(&number)))
             .collect();
+        let is_here = |number: BodyId| kept.binary_search_by_key(&number, |(m, _)| m.number);
+        for bond in pairs.iter().filter_map(PairRecord::bond) {
+            let [a, b] = bond.bodies();
+            if is_here(a).is_err() || is_here(b).is_err() {
+                return Err(SolveError::Ranks {
+                    why: format!(
+                        "the bonded bodies {a} and {b} are farther apart than bodies that meet: run it on one rank"
+                    ),
+                });
+            }
+        }
         let numbers = self.put_together(kept, pairs, parts.newcomers, rank)?;
         let until = (0..).zip(until).map(|(id, (radius, away))| Until {
             travelled: self.travelled(id) + way,
@@ -382,6 +398,7 @@ impl World {
             links: links.collect(),
             until,
             holds: vec![false; numbers.len()],
+            ended: parts.ended,
             numbers,
             spent: (self.counters.contact_time, self.counters.pair_evaluations),
         }));

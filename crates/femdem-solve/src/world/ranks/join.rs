@@ -6,6 +6,7 @@ use crate::checkpoint;
 use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::world::World;
+use crate::world::lists::place;
 use femdem_contact::BodyId;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -21,53 +22,54 @@ pub(in crate::world) enum Whose {
 }
 
 impl World {
-    /// Gives a new body the next number in the whole, and the next one here if it is kept.
+    /// Gives a new body the lowest number that is free in the whole, and that place here if it is kept, which the batch gives next.
     pub(in crate::world) fn enlist(&mut self, body: &Body) -> Result<Whose, SolveError> {
-        let Some(mut share) = self.share.take() else {
+        let Some(share) = self.share.as_deref() else {
             return Ok(Whose::Own);
         };
-        let whose = self.enlist_in(&mut share, body);
-        self.share = Some(share);
-        whose
-    }
-
-    fn enlist_in(&self, share: &mut Share, body: &Body) -> Result<Whose, SolveError> {
-        if !share.whole.vacant.is_empty() {
-            return Err(ranks(
-                "bodies were removed before the world was shared out, and the next one would get such a number: gather it first",
-            ));
-        }
-        let number = share.whole.total;
-        let total = number.checked_add(1);
-        share.whole.total = total.ok_or_else(|| ranks("there are no more numbers for bodies"))?;
+        let (rank, total) = (share.rank, share.whole.total);
+        let free = share.whole.vacant.first().copied();
+        let Some(next) = total.checked_add(u32::from(free.is_none())) else {
+            return Err(ranks("there are no more numbers for bodies"));
+        };
+        let number = free.unwrap_or(total);
         let map = self.map(&share.cuts);
         let reach = self.reach(share.whole.largest);
         let (owner, near) = (
             map.owner(&body.position),
             map.near(&body.position, reach(body.radius)),
         );
+        let is_kept = near.contains(&rank);
         let away = share.whole.edges.away(self.cell(), &body.position);
-        share.whole.edges.reach(away);
-        let id = share.numbers.len() as BodyId;
-        let whose = if owner == share.rank {
-            for other in near.into_iter().filter(|other| *other != owner) {
-                share.link(other).lent.push(id);
-            }
-            Whose::Own
-        } else if near.contains(&share.rank) {
-            share.link(owner).guests.push(id);
-            Whose::Guest
-        } else {
-            return Ok(Whose::Other(number));
+        if free.is_some() && is_kept != share.numbers.binary_search(&number).is_ok() {
+            self.make_room(is_kept.then_some(number))?;
+        }
+        let Some(share) = self.share.as_deref_mut() else {
+            return Ok(Whose::Own);
         };
-        share.numbers.push(number);
-        share.until.push(Until {
+        share.whole.total = next;
+        share.whole.vacant.retain(|other| *other != number);
+        share.whole.edges.reach(away);
+        if !is_kept {
+            return Ok(Whose::Other(number));
+        }
+        let id = share.numbers.partition_point(|other| *other < number);
+        place(&mut share.numbers, id as BodyId, number);
+        place(&mut share.holds, id as BodyId, false);
+        let until = Until {
             travelled: body.travelled + share.whole.way(),
             radius: body.radius,
             away,
-        });
-        share.holds.push(false);
-        Ok(whose)
+        };
+        place(&mut share.until, id as BodyId, until);
+        if owner != rank {
+            insert(&mut share.link(owner).guests, id as BodyId);
+            return Ok(Whose::Guest);
+        }
+        for other in near.into_iter().filter(|other| *other != owner) {
+            insert(&mut share.link(other).lent, id as BodyId);
+        }
+        Ok(Whose::Own)
     }
 
     /// The number here of a body by its number in the whole; `None` if only other ranks have it.
@@ -125,6 +127,12 @@ impl World {
         all.sort_by_key(|(number, _)| *number);
         Ok(all.into_iter().map(|(_, value)| value).collect())
     }
+}
+
+/// Puts a number into a list, ascending.
+fn insert(list: &mut Vec<BodyId>, id: BodyId) {
+    let at = list.partition_point(|other| *other < id);
+    list.insert(at, id);
 }
 
 impl Share {

@@ -11,6 +11,7 @@ mod cuts;
 mod deal;
 mod edges;
 mod join;
+mod leave;
 mod map;
 mod parts;
 mod swap;
@@ -22,7 +23,7 @@ use crate::guide::Guide;
 use crate::halo::Halo;
 use cuts::Cuts;
 use edges::{Edges, carried};
-use femdem_contact::{BodyId, Partner};
+use femdem_contact::{BodyId, PairRecord, Partner};
 use femdem_fem::{Boundary, Driven};
 pub(super) use join::Whose;
 use map::Map;
@@ -34,7 +35,7 @@ use std::time::Duration;
 const WAY: f64 = 0.5;
 
 /// What a rank knows of the others.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Share {
     rank: usize,
     cuts: Cuts,
@@ -47,6 +48,8 @@ pub(super) struct Share {
     until: Vec<Until>,
     /// Whether a guest that sleeps is balanced.
     holds: Vec<bool>,
+    /// Bonds that have ended, by the numbers of their bodies in the whole; each is on one rank.
+    ended: Vec<PairRecord>,
     /// Processor time and pairs evaluated when bodies were last dealt.
     #[serde(skip)]
     spent: (Duration, u64),
@@ -65,6 +68,8 @@ pub(super) struct Whole {
     /// How bodies are driven, and nodes of deformable ones: functions of time.
     guides: Vec<Guide>,
     boundaries: Vec<Boundary>,
+    /// Whether some bodies are bonded.
+    bonds: bool,
 }
 
 impl Whole {
@@ -95,6 +100,7 @@ impl Whole {
             edges: world.edges(WAY * largest, halo)?,
             guides,
             boundaries: boundaries.filter(will_move).cloned().collect(),
+            bonds: world.batch.has_bonds(),
         })
     }
 }
@@ -114,6 +120,11 @@ impl Share {
         self.cuts.ranks() > 1
     }
 
+    /// Whether bodies of the whole were bonded when it was shared out.
+    pub(super) fn has_bonds(&self) -> bool {
+        self.whole.bonds
+    }
+
     /// The number in the whole of a body that is here.
     pub(super) fn named(&self, id: usize) -> usize {
         self.numbers[id] as usize
@@ -121,7 +132,7 @@ impl Share {
 }
 
 /// How far a body may go before all are dealt anew.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 struct Until {
     /// Its travel, m.
     travelled: f64,
@@ -149,8 +160,8 @@ impl World {
     /// the number that a body had here.
     ///
     /// # Errors
-    /// [`SolveError::Ranks`] for what cannot be shared: bodies that may break, bonds, bodies that a host moves, and
-    /// [friction that begins](Self::begin_friction); if the worlds of the ranks differ, or their programs; and what `halo` reports.
+    /// [`SolveError::Ranks`] for what cannot be shared: bodies that may break, bodies that a host moves, bonded bodies that
+    /// are far apart, and [friction that begins](Self::begin_friction); if the worlds of the ranks differ, or their programs; and what `halo` reports.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         self.share_out_with(&(), halo)
     }
@@ -254,7 +265,6 @@ impl World {
         let by_host = guides.any(|(guide, _)| guide.drive().is_none());
         for (what, is_there) in [
             ("bodies that a host moves", by_host),
-            ("bonds", self.batch.bonds().next().is_some()),
             ("breakable bodies", breakable),
             (
                 "bodies that are deformable near their strength only",
@@ -288,6 +298,11 @@ impl World {
         Err(ranks(
             "the ranks have different programs, or have made different worlds or jobs: start all with the same program and input",
         ))
+    }
+
+    /// Whether ranks share bonded bodies.
+    pub(super) fn shares_bonds(&self) -> bool {
+        self.share.as_deref().is_some_and(Share::has_bonds)
     }
 
     /// Bodies of other ranks that are driven: they are moved here too.

@@ -8,10 +8,11 @@ use crate::halo::Halo;
 use crate::world::World;
 use crate::world::deformables::State;
 use crate::world::newcomers::Newcomers;
+use femdem_contact::bond::Bond;
 use femdem_contact::{BodyId, BodyRecord, Motion, PairRecord, Partner};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A body with all that its owner knows of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -46,6 +47,8 @@ impl Member {
 pub(super) struct Parts {
     pub members: Vec<Member>,
     pub pairs: Vec<PairRecord>,
+    /// Bonds that have ended, which stay where they are.
+    pub ended: Vec<PairRecord>,
     /// Of these and of their guests.
     pub newcomers: Newcomers,
 }
@@ -79,7 +82,7 @@ fn in_portions<T>(list: Vec<T>, weight: impl Fn(&T) -> usize) -> Vec<Vec<T>> {
 }
 
 impl Parts {
-    /// Bodies and then pairs, in as many portions on all ranks; without the newcomers.
+    /// Bodies and then pairs, in as many portions on all ranks; without ended bonds and newcomers.
     pub fn portions(
         self,
         halo: &mut dyn Halo,
@@ -103,10 +106,13 @@ impl Parts {
 
     /// Those of all ranks on the first one, and none on the others.
     pub fn gathered(mut self, halo: &mut dyn Halo) -> Result<Self, SolveError> {
-        let newcomers = checkpoint::encode(&std::mem::take(&mut self.newcomers))?;
+        let apart = checkpoint::encode(&(&self.newcomers, &self.ended))?;
+        (self.newcomers, self.ended) = Default::default();
         let mut all = Self::default();
-        for (_, bytes) in halo.send(vec![(0, newcomers)])? {
-            all.newcomers.join(checkpoint::decode(&bytes)?);
+        for (_, bytes) in halo.send(vec![(0, apart)])? {
+            let (newcomers, ended): (_, Vec<PairRecord>) = checkpoint::decode(&bytes)?;
+            all.newcomers.join(newcomers);
+            all.ended.extend(ended);
         }
         for portion in self.portions(halo)? {
             for (_, bytes) in halo.send(vec![(0, checkpoint::encode(&portion)?)])? {
@@ -119,6 +125,7 @@ impl Parts {
     pub fn join(&mut self, other: Self) {
         self.members.extend(other.members);
         self.pairs.extend(other.pairs);
+        self.ended.extend(other.ended);
         self.newcomers.join(other.newcomers);
     }
 }
@@ -126,20 +133,47 @@ impl Parts {
 impl World {
     /// Takes the bodies out: those of this rank, with the pairs whose B is one of them; and where the guests are, m.
     pub(super) fn take_apart(&mut self) -> Result<(Parts, BTreeMap<BodyId, Vector3>), SolveError> {
+        let (all, is_own) = self.take_all()?;
+        let mut parts = Parts {
+            newcomers: all.newcomers,
+            ..Parts::default()
+        };
+        let mut guests = BTreeMap::new();
+        for member in all.members {
+            if is_own(member.number) {
+                parts.members.push(member);
+            } else {
+                guests.insert(member.number, member.place());
+            }
+        }
+        let own = all.pairs.into_iter();
+        let own = own.filter(|pair| is_own(pair.sides().1));
+        let (ended, pairs) = own.partition(has_ended);
+        (parts.ended, parts.pairs) = (ended, pairs);
+        if let Some(share) = &mut self.share {
+            parts.ended.append(&mut share.ended);
+        }
+        Ok((parts, guests))
+    }
+
+    /// Takes all bodies and pairs out that are here, with whether a body of a number is one of this rank.
+    pub(super) fn take_all(
+        &mut self,
+    ) -> Result<(Parts, impl Fn(BodyId) -> bool + use<>), SolveError> {
         let newcomers = std::mem::take(&mut self.newcomers);
         let number = |id: BodyId| match &self.share {
             Some(share) => share.numbers.get(id as usize).copied(),
             None => Some(id),
         };
-        let is_guest: Vec<bool> = (0..self.bodies.len() as u32)
-            .map(|id| self.is_guest(id))
-            .collect();
+        let guests = self.batch.body_ids().filter(|id| self.is_guest(*id));
+        let guests: BTreeSet<BodyId> = guests.filter_map(number).collect();
         let (records, pairs) = self.batch.take_bodies()?;
-        let mut parts = Parts {
+        let pairs = pairs.into_iter();
+        let mut all = Parts {
             newcomers: newcomers.renumbered(number),
+            pairs: pairs.filter_map(|pair| pair.renumbered(number)).collect(),
             ..Parts::default()
         };
-        let mut guests = BTreeMap::new();
         for (id, record) in records {
             let i = id as usize;
             let Some(number) = number(id) else { continue };
@@ -147,23 +181,14 @@ impl World {
                 Some(deformables) => deformables.take(id),
                 None => None,
             };
-            let member = Member {
+            all.members.push(Member {
                 number,
                 body: std::mem::replace(&mut self.bodies[i], Body::vacant()),
                 motion: self.motions[i],
                 record,
                 nodes: nodes.map(Box::new),
-            };
-            if is_guest[i] {
-                guests.insert(number, member.place());
-            } else {
-                parts.members.push(member);
-            }
+            });
         }
-        let own = pairs
-            .into_iter()
-            .filter(|pair| !is_guest[pair.sides().1 as usize]);
-        parts.pairs = own.filter_map(|pair| pair.renumbered(number)).collect();
         if let Some(deformables) = &mut self.deformables {
             deformables.empty(0);
         }
@@ -171,7 +196,7 @@ impl World {
         self.motions.clear();
         self.ahead.clear();
         self.awake.clear();
-        Ok((parts, guests))
+        Ok((all, move |number| !guests.contains(&number)))
     }
 
     /// Puts bodies and pairs in where there are none: members ascending by number, each with its owner.
@@ -201,11 +226,12 @@ impl World {
         self.newcomers = parts.newcomers;
         let members = parts.members.into_iter();
         let members = members.map(|member| (member.number, (member, false)));
-        self.put(total, members, parts.pairs)
+        let pairs = parts.pairs.into_iter().chain(parts.ended);
+        self.put(total, members, pairs.collect())
     }
 
     /// Puts members in under their numbers, below `total`, with whether they are guests.
-    fn put(
+    pub(super) fn put(
         &mut self,
         total: BodyId,
         members: impl Iterator<Item = (BodyId, (Member, bool))>,
@@ -249,10 +275,16 @@ impl World {
     pub fn checksum_of_motion(&self) -> Result<u64, SolveError> {
         self.not_shared("a checksum")?;
         let (mut parts, _) = self.clone().take_apart()?;
+        parts.pairs.append(&mut parts.ended);
         parts.pairs.sort_by_key(PairRecord::sides);
         let all = (self.time, self.steps, self.step_control);
         checkpoint::hash(&(all, parts.members, parts.pairs))
     }
+}
+
+/// Whether it is a bond that has ended.
+pub(super) fn has_ended(pair: &PairRecord) -> bool {
+    pair.bond().is_some_and(Bond::has_ended)
 }
 
 /// The bodies of a pair.
@@ -266,19 +298,19 @@ pub(super) fn bodies_of(pair: &PairRecord) -> impl Iterator<Item = BodyId> {
 }
 
 impl Share {
-    /// Whether what was read fits a world of so many bodies.
-    pub(in crate::world) fn is_sound(&self, bodies: usize) -> bool {
+    /// Whether what was read fits a world with so many places for bodies, and so many bodies.
+    pub(in crate::world) fn is_sound(&self, [places, bodies]: [usize; 2]) -> bool {
         let lists = [self.numbers.len(), self.until.len(), self.holds.len()];
         let linked = self
             .links
             .iter()
             .flat_map(|link| link.lent.iter().chain(&link.guests));
         let mut linked = linked.copied();
-        let places = (self.whole.total as usize).checked_sub(self.whole.vacant.len());
+        let all = (self.whole.total as usize).checked_sub(self.whole.vacant.len());
         let lists_of_numbers = [&self.numbers, &self.whole.vacant];
         let ascending = lists_of_numbers.map(|list| list.windows(2).all(|pair| pair[0] < pair[1]));
         let ascending = ascending == [true; 2];
-        let counted = places.is_some_and(|all| match self.cuts.ranks() {
+        let counted = all.is_some_and(|all| match self.cuts.ranks() {
             1 => all == bodies,
             _ => all >= bodies,
         });
@@ -305,9 +337,9 @@ impl Share {
             && ascending
             && fits
             && self.rank < self.cuts.ranks()
-            && lists == [bodies; 3]
+            && lists == [places; 3]
             && self.links.iter().all(|link| link.rank < self.cuts.ranks())
-            && linked.all(|id| (id as usize) < bodies)
+            && linked.all(|id| (id as usize) < places)
     }
 }
 

@@ -4,6 +4,7 @@ use super::{Share, ranks};
 use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::world::World;
+use crate::world::active::is_any;
 use crate::world::deformables::State;
 use femdem_contact::BodyId;
 use femdem_mesh::nalgebra::{Quaternion, UnitQuaternion};
@@ -40,8 +41,47 @@ impl World {
         done
     }
 
-    /// Tells the others which bodies are awake, and which of the others hold.
+    /// Tells the others which bodies are awake, and which of the others hold. Bodies that are bonded wake together.
     pub(in crate::world) fn tell_rest(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        loop {
+            self.tell_awake(halo)?;
+            if !self.shares_bonds() {
+                return Ok(());
+            }
+            let sleepers = self.sleepers_beside_bonded();
+            self.wake(&sleepers);
+            if !is_any(!sleepers.is_empty(), halo)? {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Marks guests that their owners have marked. Returns whether one of them was not marked here.
+    pub(in crate::world) fn tell_marks(
+        &self,
+        marks: &mut [bool],
+        halo: &mut dyn Halo,
+    ) -> Result<bool, SolveError> {
+        let Some(share) = self.share.as_deref() else {
+            return Ok(false);
+        };
+        let of = |_: &Self, list: &[BodyId]| {
+            let marks = list.iter().map(|&i| u8::from(marks[i as usize]));
+            marks.collect()
+        };
+        let received = self.swap(share, halo, of)?;
+        let mut more = false;
+        for (link, bytes) in share.links.iter().zip(received) {
+            for (&guest, mark) in link.guests.iter().zip(bytes) {
+                let own = &mut marks[guest as usize];
+                more |= mark > 0 && !*own;
+                *own |= mark > 0;
+            }
+        }
+        Ok(more)
+    }
+
+    fn tell_awake(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         let Some(mut share) = self.share.take() else {
             return Ok(());
         };

@@ -1,6 +1,7 @@
 //! The sizes of the bodies of a source.
 
 use super::SourceEntry;
+use super::bring::reach_of;
 use super::state::Kind;
 use crate::Error;
 use crate::run::Simulation;
@@ -23,7 +24,7 @@ impl SourceEntry {
         let mut kind = |geometry: &Geometry, share: f64| -> Result<Kind, Error> {
             let shape = simulation.add_shape(name, geometry)?;
             let mass = density * simulation.world.shapes()[shape as usize].volume;
-            let radius = simulation.reach_of(shape);
+            let radius = reach_of(&simulation.world, shape);
             Ok(Kind {
                 shape,
                 mass,

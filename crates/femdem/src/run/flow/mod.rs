@@ -4,13 +4,16 @@
 //! body keeps its number when others leave, and numbers are not given again.
 
 mod begin;
+mod bring;
 mod entry;
 mod kinds;
+mod ranks;
 mod rows;
 mod state;
 mod step;
 
 pub use entry::{GateEntry, SourceEntry};
+pub(super) use ranks::SharedFlow;
 pub use rows::{FLOW_COLUMNS, FlowSummary};
 pub use state::Flow;
 pub(super) use state::{Kind, Supply};

@@ -2,7 +2,7 @@
 
 use femdem_contact::MaterialId;
 use femdem_mesh::nalgebra::Translation3;
-use femdem_mesh::{Pose, Vector3};
+use femdem_mesh::{Pose, Rotation, Vector3};
 use femdem_pack::{body_stream, random_rotation, uniform};
 use femdem_solve::ShapeId;
 use serde::{Deserialize, Serialize};
@@ -102,14 +102,14 @@ impl Flow {
         boxes.map(|supply| [supply.lower.into(), supply.upper.into()])
     }
 
-    /// Whether nothing opens, comes or is counted.
-    pub(in crate::run) fn is_empty(&self) -> bool {
-        self.openings.is_empty() && !self.is_counted()
-    }
-
     /// Whether there is anything to be counted.
     pub(in crate::run) fn is_counted(&self) -> bool {
         !(self.gates.is_empty() && self.supplies.is_empty())
+    }
+
+    /// Whether bodies pass anything.
+    pub(super) fn has_gates(&self) -> bool {
+        !self.gates.is_empty()
     }
 
     /// Mass of the bodies that are still to come \[kg\].
@@ -132,6 +132,20 @@ impl Flow {
     pub(in crate::run) fn boxes(&self) -> impl Iterator<Item = [Vector3; 2]> {
         let open = self.supplies.iter().filter(|s| s.mass_to_come() > 0.0);
         open.map(|supply| [supply.lower.into(), supply.upper.into()])
+    }
+
+    /// What has passed each gate and come from each source so far.
+    fn counts(&mut self) -> impl Iterator<Item = &mut Count> {
+        let gates = self.gates.iter_mut().map(|gate| &mut gate.passed);
+        gates.chain(self.supplies.iter_mut().map(|supply| &mut supply.come))
+    }
+
+    /// Becomes a later state of itself, in which there were no rows since.
+    pub(super) fn go_on_as(&mut self, later: &Self) {
+        let mut before = std::mem::replace(self, later.clone());
+        for (count, before) in self.counts().zip(before.counts()) {
+            count.last = before.last;
+        }
     }
 
     /// Whether a wall is still to open after a time \[s\], or a body to come.
@@ -236,13 +250,26 @@ impl Supply {
 
     /// The next place to be tried: a centroid and an orientation.
     pub(super) fn next_place(&mut self) -> Pose {
-        let mut stream = body_stream(self.seed, self.tried);
+        let (drawn, turn) = self.drawn(self.tried);
         self.tried = self.tried.wrapping_add(1);
+        let place = self.places.get(self.come.bodies as usize).copied();
+        Pose::from_parts(Translation3::from(place.unwrap_or(drawn)), turn)
+    }
+
+    /// The place in the box \[m\] and the orientation that are drawn after so many.
+    fn drawn(&self, tried: u32) -> ([f64; 3], Rotation) {
+        let mut stream = body_stream(self.seed, tried);
         let share = [0, 1, 2].map(|_| uniform(&mut stream));
         let within = |k: usize| self.lower[k] + share[k] * (self.upper[k] - self.lower[k]);
-        let place = self.places.get(self.come.bodies as usize).copied();
-        let at = place.unwrap_or_else(|| [0, 1, 2].map(within));
-        Pose::from_parts(Translation3::from(at), random_rotation(&mut stream))
+        ([0, 1, 2].map(within), random_rotation(&mut stream))
+    }
+
+    /// All places that may be [tried](Self::next_place) in so many tries \[m\].
+    pub(super) fn places_ahead(&self, tries: u32) -> Vec<Vector3> {
+        let drawn = (0..tries).map(|k| self.drawn(self.tried.wrapping_add(k)).0);
+        let listed = self.places.iter().skip(self.come.bodies as usize);
+        let listed = listed.take(tries as usize).copied();
+        drawn.chain(listed).map(Vector3::from).collect()
     }
 }
 

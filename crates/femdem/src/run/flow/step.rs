@@ -1,14 +1,108 @@
 //! Flow in a step: walls open, bodies come, are counted and leave.
 
-use femdem_mesh::{Point3, Pose, Vector3};
-use femdem_solve::{BodySpec, ShapeId};
+use femdem_contact::BodyId;
+use femdem_mesh::Vector3;
+use femdem_solve::{Alone, World};
+use serde::{Deserialize, Serialize};
 
-use super::state::Supply;
+use super::state::Flow;
 use crate::Error;
 use crate::run::{Member, Simulation};
 
-/// Places that are tried in a step at most.
-const TRIES: u32 = 16;
+/// That a body has passed a gate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Passage {
+    /// Numbers among the gates and the members.
+    gate: u32,
+    member: u32,
+    /// kg.
+    mass: f64,
+    is_beyond: bool,
+}
+
+impl Flow {
+    /// The walls that are there and whose time has come.
+    pub(super) fn walls_due(&self, world: &World) -> Vec<u32> {
+        let due = self.openings.iter();
+        let due = due.filter(|opening| opening.time <= world.time());
+        due.map(|opening| opening.wall)
+            .filter(|wall| world.wall(*wall).is_some())
+            .collect()
+    }
+
+    /// What bodies have passed since the last step: numbers among the members, and those in the world.
+    pub(super) fn passages(
+        &self,
+        world: &World,
+        bodies: impl Iterator<Item = (usize, BodyId)>,
+    ) -> Vec<Passage> {
+        let mut passages = Vec::new();
+        if self.gates.is_empty() {
+            return passages;
+        }
+        for (member, id) in bodies {
+            // Bodies that have left, and those that move as prescribed, pass nothing; deformable and adaptive ones stay.
+            let (Some(x), Some(mass)) = (world.position(id), world.mass(id)) else {
+                continue;
+            };
+            if world.follows_drive(id) == Some(true) {
+                continue;
+            }
+            let stays = world.is_adaptive(id) || world.follows_drive(id).is_none();
+            for (number, gate) in (0..).zip(&self.gates) {
+                let is_beyond = gate.is_beyond(&x);
+                let passes = match gate.takes {
+                    true => is_beyond && !stays,
+                    false => is_beyond != gate.beyond[member],
+                };
+                if passes {
+                    passages.push(Passage {
+                        gate: number,
+                        member: member as u32,
+                        mass,
+                        is_beyond,
+                    });
+                }
+                if passes && gate.takes {
+                    break;
+                }
+            }
+        }
+        passages
+    }
+
+    /// Counts what has passed until a time \[s\], and returns the bodies that leave.
+    pub(super) fn pass(
+        &mut self,
+        mut passages: Vec<Passage>,
+        members: &mut [Member],
+        time: f64,
+    ) -> Vec<BodyId> {
+        passages.sort_by_key(|passage| (passage.gate, passage.member));
+        let mut gone = Vec::new();
+        for passage in passages {
+            let gate = &mut self.gates[passage.gate as usize];
+            let bodies = if passage.is_beyond { 1 } else { -1 };
+            gate.passed.add(bodies, passage.mass, time);
+            if gate.takes {
+                let member = &mut members[passage.member as usize];
+                gone.push(std::mem::replace(&mut member.id, Member::GONE));
+            } else {
+                gate.beyond[passage.member as usize] = passage.is_beyond;
+            }
+        }
+        gone
+    }
+
+    /// Notes a new member at a place \[m\], which has passed the same gates as another one, if that is known.
+    pub(super) fn note_member(&mut self, x: &Vector3, like: Option<usize>) {
+        for gate in &mut self.gates {
+            let known = like.and_then(|other| gate.beyond.get(other).copied());
+            let is_beyond = known.unwrap_or_else(|| gate.is_beyond(x));
+            gate.beyond.push(is_beyond);
+        }
+    }
+}
 
 impl Simulation {
     /// Whether there are, were or will be rigid bodies.
@@ -21,84 +115,26 @@ impl Simulation {
 
     /// Takes away the walls whose time has come.
     pub(in crate::run) fn open_walls(&mut self) -> Result<(), Error> {
-        let time = self.world.time();
-        let due = self.flow.openings.iter();
-        let due: Vec<u32> = due
-            .filter(|opening| opening.time <= time)
-            .map(|opening| opening.wall)
-            .collect();
-        for wall in due {
-            if self.world.wall(wall).is_some() {
-                self.world.remove_wall(wall)?;
-            }
-        }
-        Ok(())
+        let due = self.flow.walls_due(&self.world);
+        Ok(self.world.remove_walls_on(&due, &mut Alone)?)
     }
 
     /// Counts the bodies that have passed gates, and takes away those that are beyond a sink.
     pub(in crate::run) fn pass_gates(&mut self) -> Result<(), Error> {
+        let bodies = self.members.iter().map(|member| member.id);
+        let passages = self.flow.passages(&self.world, bodies.enumerate());
         let time = self.world.time();
-        for k in 0..self.flow.gates.len() {
-            for number in 0..self.members.len() {
-                let id = self.members[number].id;
-                // Bodies that have left, and those that move as prescribed, pass nothing; deformable and adaptive ones stay.
-                let (Some(x), Some(mass)) = (self.world.position(id), self.world.mass(id)) else {
-                    continue;
-                };
-                if self.world.follows_drive(id) == Some(true) {
-                    continue;
-                }
-                let gate = &mut self.flow.gates[k];
-                let is_beyond = gate.is_beyond(&x);
-                if gate.takes {
-                    let stays = self.world.is_adaptive(id);
-                    if is_beyond && !stays && self.world.follows_drive(id).is_some() {
-                        gate.passed.add(1, mass, time);
-                        self.world.remove_body(id)?;
-                        self.members[number].id = Member::GONE;
-                    }
-                } else if is_beyond != gate.beyond[number] {
-                    gate.passed.add(if is_beyond { 1 } else { -1 }, mass, time);
-                    gate.beyond[number] = is_beyond;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Distance of the farthest point of a shape from its centroid \[m\].
-    pub(super) fn reach_of(&self, shape: ShapeId) -> f64 {
-        let shape = &self.world.shapes()[shape as usize];
-        let polyhedron = &shape.polyhedron;
-        shape.sphere.unwrap_or_else(|| polyhedron.bounding_radius())
+        let gone = self.flow.pass(passages, &mut self.members, time);
+        Ok(self.world.remove_bodies_on(&gone, &mut Alone)?)
     }
 
     /// Adds the bodies of sources that are due and for which there is room.
     pub(in crate::run) fn bring_bodies(&mut self) -> Result<(), Error> {
-        let time = self.world.time();
-        for k in 0..self.flow.supplies.len() {
-            let due = self.flow.supplies[k].due(time);
-            let lacks = |supply: &Supply| (supply.come.bodies as u64) < due;
-            if !lacks(&self.flow.supplies[k]) {
-                continue;
-            }
-            // What is there, found once a step.
-            let mut others = self.balls();
-            for _ in 0..TRIES {
-                if !lacks(&self.flow.supplies[k]) {
-                    break;
-                }
-                let place = self.flow.supplies[k].next_place();
-                let next = self.flow.supplies[k].next_kind();
-                let radius = self.flow.supplies[k].kinds[next].radius;
-                let x = place.translation.vector;
-                let free =
-                    |(at, reach): &(Vector3, f64)| self.between(at, &x).norm() >= radius + reach;
-                if others.iter().all(free) && self.is_off_walls(&x, radius) {
-                    self.bring(k, next, &place)?;
-                    others.push((x, radius));
-                }
-            }
+        let count = self.members.len();
+        let new = self.flow.bring(&mut self.world, count, &mut Alone)?;
+        for member in new {
+            self.loads.add_member(&member);
+            self.members.push(member);
         }
         Ok(())
     }
@@ -127,73 +163,6 @@ impl Simulation {
         })
     }
 
-    /// Balls around all bodies: centroids and radii \[m\].
-    fn balls(&self) -> Vec<(Vector3, f64)> {
-        let ball = |member: &Member| {
-            let x = self.world.position(member.id)?;
-            let radius = match self.world.deformable(member.id) {
-                Some(body) => {
-                    let far = body.positions().iter().map(|p| (p - x).norm());
-                    far.fold(0.0, f64::max)
-                }
-                None => self.reach_of(self.world.shape_of(member.id)?),
-            };
-            Some((x, radius))
-        };
-        self.members.iter().filter_map(ball).collect()
-    }
-
-    /// Whether a ball overlaps no wall.
-    fn is_off_walls(&self, x: &Vector3, radius: f64) -> bool {
-        self.world.walls().all(|(wall, shape)| {
-            let pose = self.world.wall_pose(wall).unwrap_or_default();
-            let x = pose.inverse_transform_point(&Point3::from(*x));
-            shape.clearance(&x.coords) >= radius
-        })
-    }
-
-    /// Adds the next body of a source, with its centroid and orientation at `place`.
-    fn bring(&mut self, k: usize, next: usize, place: &Pose) -> Result<(), Error> {
-        let supply = &self.flow.supplies[k];
-        let kind = supply.kinds[next];
-        let polyhedron = &self.world.shapes()[kind.shape as usize].polyhedron;
-        let centroid = polyhedron.mass_properties().centroid;
-        let pose = place * Pose::from_parts((-centroid.coords).into(), Default::default());
-        let id = self.world.add_body(BodySpec {
-            shape: kind.shape,
-            density: supply.density,
-            pose,
-            velocity: Vector3::from(supply.velocity),
-            angular_velocity: Vector3::zeros(),
-            material: supply.material,
-        })?;
-        let name = format!("{} {}", supply.name, self.members.len());
-        let time = self.world.time();
-        let supply = &mut self.flow.supplies[k];
-        supply.come.add(1, kind.mass, time);
-        supply.kinds[next].come += 1;
-        let member = Member {
-            name,
-            id,
-            placed: pose,
-            of: None,
-        };
-        self.join(member, None);
-        Ok(())
-    }
-
-    /// Adds a member that has come in the run, or has broken off another, beyond the gates that this one is known to have passed.
-    fn join(&mut self, member: Member, whole: Option<usize>) {
-        let x = self.world.position(member.id).unwrap_or_default();
-        for gate in &mut self.flow.gates {
-            let known = whole.and_then(|whole| gate.beyond.get(whole).copied());
-            let is_beyond = known.unwrap_or_else(|| gate.is_beyond(&x));
-            gate.beyond.push(is_beyond);
-        }
-        self.loads.add_member(&member);
-        self.members.push(member);
-    }
-
     /// Makes members of the fragments that have become bodies.
     pub(in crate::run) fn fragment_bodies(&mut self) -> Result<(), Error> {
         let fragmentations = self.world.fragment_bodies();
@@ -210,7 +179,10 @@ impl Simulation {
                     placed: *placed,
                     of: Some(first),
                 };
-                self.join(member, Some(whole));
+                let x = self.world.position(id).unwrap_or_default();
+                self.flow.note_member(&x, Some(whole));
+                self.loads.add_member(&member);
+                self.members.push(member);
             }
         }
         Ok(())

@@ -8,30 +8,22 @@ use crate::Error;
 use crate::run::{Ending, Run};
 
 impl Run {
-    /// Refuses a run whose steps need more than its world, its controls and its loads, one that is fed or
-    /// relaxed, and implicit steps, which one rank would take alone.
+    /// Refuses implicit steps, which one rank would take alone.
     /// [`World::share_out`] says what worlds cannot be shared.
     ///
     /// # Errors
     ///
     /// [`Error::Option`] with the entry of the scene.
     pub fn steps_elsewhere(&self) -> Result<(), Error> {
-        let (scene, simulation) = (&self.scenario, &self.simulation);
-        let steps = simulation.world.parameters().time_step;
-        for (name, is_there) in [
-            ("source, gate or opening", !simulation.flow.is_empty()),
-            ("relax", scene.relax.is_some()),
-            ("implicit steps", steps.implicit.is_some()),
-        ] {
-            if is_there {
-                return Err(Error::Option {
-                    name,
-                    value: "an entry of the scene".to_owned(),
-                    allowed: "not there in a run over several ranks: use `femdem run`",
-                });
-            }
+        let steps = self.simulation.world.parameters().time_step;
+        if steps.implicit.is_none() {
+            return Ok(());
         }
-        Ok(())
+        Err(Error::Option {
+            name: "implicit steps",
+            value: "an entry of the scene".to_owned(),
+            allowed: "not there in a run over several ranks: use `femdem run`",
+        })
     }
 
     /// Time of the next row of the tables, the next frame or the end, s.

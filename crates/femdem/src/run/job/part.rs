@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use femdem_solve::{Halo, SolveError, World, checkpoint};
+use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::run::flow::SharedFlow;
 use crate::run::load::LoadedMembers;
 use crate::run::stillness::{STEPS_BETWEEN_LOOKS, Stillness};
 use crate::run::{Controls, Run, Scenario};
@@ -15,13 +17,24 @@ pub struct Part {
     scenario: Scenario,
     controls: Controls,
     loads: LoadedMembers,
+    flow: SharedFlow,
     stillness: Stillness,
     /// Whether the bodies have been still for so long that their forces are looked at.
     may_rest: bool,
+    /// Steps of the relaxation, by the first rank, once the motion has ended.
+    relaxed: Option<u64>,
 }
 
 /// What all ranks get of a run besides its world.
-type Shared = (String, Controls, Stillness, LoadedMembers);
+#[derive(Serialize, Deserialize)]
+struct Shared {
+    scenario: String,
+    controls: Controls,
+    loads: LoadedMembers,
+    flow: SharedFlow,
+    stillness: Stillness,
+    relaxed: Option<u64>,
+}
 
 impl Run {
     /// What it gives to ranks besides its world, if they can share it.
@@ -29,18 +42,24 @@ impl Run {
         self.steps_elsewhere()?;
         let simulation = &self.simulation;
         simulation.world.can_be_shared()?;
-        Ok((
-            self.scenario.to_toml()?,
-            simulation.controls.clone(),
-            self.stillness,
-            LoadedMembers::of(&simulation.loads, &simulation.members),
-        ))
+        Ok(Shared {
+            scenario: self.scenario.to_toml()?,
+            controls: simulation.controls.clone(),
+            loads: LoadedMembers::of(&simulation.loads, &simulation.members),
+            flow: SharedFlow::of(simulation),
+            stillness: self.stillness,
+            relaxed: self.steps_relaxed(),
+        })
+    }
+
+    fn steps_relaxed(&self) -> Option<u64> {
+        self.relaxation().map(|so_far| so_far.steps)
     }
 }
 
 impl Part {
     /// Shares a run out over ranks: the first one gives it, and no other. Its world is empty until
-    /// [`go_on`](Self::go_on).
+    /// [`go_on`](Self::go_on), unless its bodies are being relaxed: those it keeps.
     ///
     /// # Errors
     ///
@@ -51,8 +70,11 @@ impl Part {
             match run.to_share() {
                 Ok(parts) => {
                     let world = &mut run.simulation.world;
-                    let empty = World::new(*world.parameters())?;
-                    given = Some(std::mem::replace(world, empty));
+                    let mut own = World::new(*world.parameters())?;
+                    if parts.relaxed.is_none() {
+                        std::mem::swap(world, &mut own);
+                    }
+                    given = Some(own);
                     mine = Some(parts);
                 }
                 // The others are told before.
@@ -73,15 +95,16 @@ impl Part {
         };
         let (_, bytes) = received.first().ok_or_else(none)?;
         let sent: Option<Shared> = checkpoint::decode(bytes)?;
-        let (scenario, controls, stillness, loads) = sent.ok_or_else(none)?;
-        let world = World::share_from_first(given, halo)?;
+        let shared = sent.ok_or_else(none)?;
         Ok(Self {
-            world,
-            scenario: Scenario::from_toml(&scenario)?,
-            controls,
-            loads,
-            stillness,
+            world: World::share_from_first(given, halo)?,
+            scenario: Scenario::from_toml(&shared.scenario)?,
+            controls: shared.controls,
+            loads: shared.loads,
+            flow: shared.flow,
+            stillness: shared.stillness,
             may_rest: false,
+            relaxed: shared.relaxed,
         })
     }
 
@@ -97,12 +120,30 @@ impl Part {
         &self.scenario
     }
 
-    /// Takes a step. Returns whether the run may have ended with it: [`go_on`](Self::go_on) says whether it has.
+    /// Steps of the motion, and of the relaxation after it.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.world.steps() + self.relaxed.unwrap_or(0)
+    }
+
+    /// Whether the motion has ended, and the first rank, which has all bodies, relaxes them.
+    #[must_use]
+    pub fn is_relaxing(&self) -> bool {
+        self.relaxed.is_some()
+    }
+
+    /// Takes a step, or none while bodies are relaxed. Returns whether the run may have ended with it: [`go_on`](Self::go_on) says
+    /// whether it has.
     ///
     /// # Errors
     ///
     /// Those of [`World::step_on`].
     pub fn step(&mut self, halo: &mut dyn Halo) -> Result<bool, Error> {
+        if self.is_relaxing() {
+            return Ok(true);
+        }
+        self.flow
+            .begin_step(&mut self.world, &mut self.loads, halo)?;
         if !self.loads.is_empty() {
             let world = &mut self.world;
             // Of the middle of the step, as alone.
@@ -114,6 +155,7 @@ impl Part {
         } else {
             self.controls.step_on(&mut self.world, halo)?;
         }
+        self.flow.end_step(&mut self.world, &mut self.loads, halo)?;
         self.may_rest = self.is_still(halo)?;
         let time = self.world.time();
         let sleeps = self.scenario.sleeps_at(time) && !self.stillness.verifying;
@@ -132,31 +174,49 @@ impl Part {
             return Ok(false);
         }
         let energy = world.kinetic_energy_on(halo)?;
-        let more = self.scenario.is_more_to_come(world);
-        Ok(self.stillness.look(&rest, world.time(), energy, more))
+        let time = world.time();
+        let more = self.scenario.is_more_to_come(world) || self.flow.is_to_come(time);
+        Ok(self.stillness.look(&rest, time, energy, more))
     }
 
-    /// Shows all bodies to the run, on the first rank, which writes into `folder` what is due. Returns whether it has ended.
+    /// Shows all bodies to the run, on the first rank, which writes into `folder` what is due, or relaxes them for a part of the
+    /// steps of a relaxation. Returns whether the run has ended.
     ///
     /// # Errors
     ///
     /// As [`Run::advance`] but for those of the step, and those of [`World::gather`].
     pub fn go_on(
-        &self,
-        run: Option<&mut Run>,
+        &mut self,
+        mut run: Option<&mut Run>,
         folder: &Path,
         halo: &mut dyn Halo,
     ) -> Result<bool, Error> {
-        let whole = self.world.gather(halo)?;
-        let mut ended = [0];
-        if let Some((run, whole)) = run.zip(whole) {
-            run.simulation.controls = self.controls.clone();
-            self.loads.give_back(&mut run.simulation.loads);
-            run.stillness = self.stillness;
-            run.go_on_with(whole, self.may_rest, folder)?;
-            ended = [u64::from(run.ending.is_some())];
+        if self.is_relaxing() {
+            if let Some(run) = run.as_deref_mut() {
+                run.advance(folder, 1)?;
+            }
+        } else {
+            let whole = self.world.gather(halo)?;
+            if let Some((run, whole)) = run.as_deref_mut().zip(whole) {
+                run.simulation.controls = self.controls.clone();
+                self.flow.give_back(&mut run.simulation);
+                self.loads.give_back(&mut run.simulation.loads);
+                run.stillness = self.stillness;
+                run.go_on_with(whole, self.may_rest, folder)?;
+            }
         }
-        halo.sum(&mut ended)?;
-        Ok(ended[0] > 0)
+        let mut now = [0; 3];
+        if let Some(run) = run {
+            let relaxed = run.steps_relaxed();
+            now = [
+                u64::from(run.ending.is_some()),
+                u64::from(relaxed.is_some()),
+                relaxed.unwrap_or(0),
+            ];
+        }
+        halo.sum(&mut now)?;
+        let [ended, relaxes, relaxed] = now;
+        self.relaxed = (relaxes > 0).then_some(relaxed);
+        Ok(ended > 0)
     }
 }

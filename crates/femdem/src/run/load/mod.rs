@@ -324,6 +324,21 @@ impl LoadedMembers {
         self.loads.is_empty()
     }
 
+    /// Notes a new member of the run.
+    pub fn add(&mut self, member: &Member) {
+        if !self.is_empty() {
+            self.loads.add_member(member);
+            self.members.push(member.clone());
+        }
+    }
+
+    /// Forgets bodies that have left.
+    pub fn forget(&mut self, gone: &[BodyId]) {
+        for member in self.members.iter_mut().filter(|m| gone.contains(&m.id)) {
+            member.id = Member::GONE;
+        }
+    }
+
     /// As [`BodyLoads::apply`].
     pub fn apply(
         &mut self,

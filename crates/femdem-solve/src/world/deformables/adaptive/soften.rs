@@ -13,7 +13,7 @@ use crate::Ledger;
 use crate::body::Body;
 use crate::error::SolveError;
 use crate::world::World;
-use crate::world::build::place;
+use crate::world::lists::place;
 use crate::world::time_step::USUAL_MOVE;
 use femdem_contact::deform::{DeformableShape, Modulus};
 use femdem_contact::{BodyId, Field, Frame, Motion};

@@ -1,0 +1,170 @@
+//! Worlds with bonded bodies shared out over ranks: the same bits as one world.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+use crate::bonds::LAW;
+use crate::common::ranks::Threads;
+use crate::ranks::comes_and_goes_alike;
+use femdem_contact::bond::{BondLaw, BondSection};
+use femdem_contact::{BodyId, ContactParameters, Wall};
+use femdem_mesh::catalogue::CatalogueShape;
+use femdem_mesh::{Pose, Vector3};
+use femdem_solve::{Alone, BodySpec, Drive, Halo, World, WorldParameters};
+
+/// Edge of a block, m.
+const EDGE: f64 = 0.05;
+
+/// Along a row, and rows above each other.
+const COUNT: [u32; 2] = [10, 3];
+
+const MORTAR: BondLaw = BondLaw {
+    stiffness: 1e9,
+    tensile: 5e4,
+    cohesion: 1e5,
+    energies: [4.0, 16.0],
+    damping: 0.2,
+    ..LAW
+};
+
+/// A wall of blocks, numbered at random, that falls on a floor which leans over, between other walls, and breaks. The blocks of a
+/// row are bonded, and those of the lowest rows.
+fn masonry() -> World {
+    let mut parameters = WorldParameters {
+        gravity: Vector3::new(1.0, 0.0, -9.0),
+        contact: ContactParameters {
+            penalty: 1e7,
+            friction: 0.5,
+            damping_ratio: 0.3,
+            ..ContactParameters::default()
+        },
+        ..WorldParameters::default()
+    };
+    parameters.sleeping.window = 60;
+    parameters.sleeping.tolerance = 0.05;
+    let mut world = World::new(parameters).unwrap();
+    let (low, high) = (Vector3::zeros(), Vector3::new(16.0, 3.0, 60.0) * EDGE);
+    for wall in Wall::closed_box(low, high).unwrap() {
+        world.add_wall(wall, Drive::Fixed).unwrap();
+    }
+    let cube = "P5".parse::<CatalogueShape>().unwrap();
+    let cube = cube.polyhedron(EDGE * 3_f64.sqrt()).unwrap();
+    let shape = world.add_shape("block", &cube).unwrap();
+    world.add_sphere("ball", 0.8 * EDGE).unwrap();
+    let [along, rows] = COUNT;
+    let count = (along * rows) as usize;
+    let mut x = 0.3_f64;
+    let mut next = || {
+        x = (x * 997.0 + 0.123).fract();
+        x
+    };
+    let mut places: Vec<usize> = (0..count).collect();
+    for k in (1..count).rev() {
+        places.swap(k, (next() * (k + 1) as f64) as usize);
+    }
+    let mut ids = vec![0; count];
+    for place in places {
+        let (i, j) = (place as u32 % along, place as u32 / along);
+        let gap = if j == 2 { 0.4 } else { 0.0 };
+        let at = Vector3::new(f64::from(i) + 1.0, 1.5, f64::from(j) + 1.3 + gap) * EDGE;
+        let spec = BodySpec::at_rest(shape, 2500.0, Pose::translation(at.x, at.y, at.z));
+        ids[place] = world.add_body(spec).unwrap();
+    }
+    let mut bond = |bodies: [BodyId; 2]| {
+        let section = world.section_between(bodies, 1e-6, 1.0).unwrap();
+        world.add_bond(bodies, &section.unwrap(), MORTAR).unwrap();
+    };
+    for place in 0..count {
+        if !(place as u32 + 1).is_multiple_of(along) {
+            bond([ids[place + 1], ids[place]]);
+        }
+        if place < along as usize {
+            bond([ids[place], ids[place + along as usize]]);
+        }
+    }
+    world
+}
+
+fn ball(k: u32) -> BodySpec {
+    let at = Vector3::new(4.0 * f64::from(k % 3) + 3.0, 1.5, 9.0) * EDGE;
+    BodySpec {
+        velocity: Vector3::new(0.0, 0.0, -5.0),
+        ..BodySpec::at_rest(1, 2500.0, Pose::translation(at.x, at.y, at.z))
+    }
+}
+
+/// Falls, comes to rest, and is struck by balls. Returns how many bodies of the whole slept before, and after.
+fn course(world: &mut World, halo: &mut dyn Halo) -> [usize; 2] {
+    let steps = |world: &mut World, halo: &mut dyn Halo, count: u32| {
+        for _ in 0..count {
+            world.step_on(halo).unwrap();
+        }
+        let sleeps = world.of_whole(halo, |world, id| world.is_asleep(id));
+        sleeps.unwrap().into_iter().filter(|sleeps| *sleeps).count()
+    };
+    let mut before = 0;
+    while before < 15 {
+        before = steps(world, halo, 100);
+        assert!(world.steps() < 12_000, "{before}");
+    }
+    for k in 0..3 {
+        world.add_body(ball(k)).unwrap();
+    }
+    [before, steps(world, halo, 600)]
+}
+
+#[test]
+fn bonded_bodies_have_the_same_bits_on_any_ranks() {
+    let world = masonry();
+    let mut alone = world.clone();
+    let [before, after] = course(&mut alone, &mut Alone);
+    let ended = alone.bonds().filter(|(_, bond)| bond.has_ended()).count();
+    let whole = alone.bonds().filter(|(_, bond)| !bond.is_broken());
+    assert!(ended > 3 && whole.count() > 3, "{ended} have ended");
+    assert!(before > 10 && after < before, "{before} and {after} slept");
+    let expected = alone.checksum_of_motion().unwrap();
+    for size in [1, 2, 3, 4] {
+        let parts = Threads::each(size, |halo| {
+            let mut world = world.clone();
+            world.share_out(halo).unwrap();
+            assert_eq!(course(&mut world, halo), [before, after], "{size} ranks");
+            assert!(world.bonds().next().is_some());
+            world.gather(halo).unwrap()
+        });
+        let whole = parts.into_iter().next().unwrap().unwrap();
+        let found = whole.checksum_of_motion().unwrap();
+        assert_eq!(found, expected, "{size} ranks");
+        assert!(whole.bonds().eq(alone.bonds()), "{size} ranks");
+        let books = [&alone, &whole].map(World::ledger);
+        let scale = books[0].exchanged;
+        for (a, b) in [
+            (books[0].error(), books[1].error()),
+            (books[0].dissipated_bonds, books[1].dissipated_bonds),
+            (books[0].dissipated_release, books[1].dissipated_release),
+            (books[0].bonds, books[1].bonds),
+        ] {
+            assert!((a - b).abs() < 1e-9 * scale, "{a:e} {b:e}");
+        }
+    }
+}
+
+/// Also numbers of bodies whose bonds have ended.
+#[test]
+fn bonded_bodies_may_leave() {
+    comes_and_goes_alike(&masonry(), [[20, 3], [17, 10]], ball);
+}
+
+#[test]
+fn bonded_bodies_that_are_far_apart_are_not_shared() {
+    let mut world = masonry();
+    let ball = |x: f64| BodySpec::at_rest(1, 2500.0, Pose::translation(x, 0.08, 0.3));
+    let bodies = [0.05, 0.75].map(|x| world.add_body(ball(x)).unwrap());
+    let middle = Vector3::new(0.4, 0.08, 0.3);
+    let section = BondSection::disc(middle, Vector3::x(), 0.02).unwrap();
+    world.add_bond(bodies, &section, MORTAR).unwrap();
+    let refused = Threads::each(3, |halo| {
+        let shared = world.clone().share_out(halo);
+        shared.err().map(|error| error.to_string())
+    });
+    let refused = refused.into_iter().flatten().next().unwrap();
+    assert!(refused.contains("farther apart"), "{refused}");
+}
