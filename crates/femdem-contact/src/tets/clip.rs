@@ -165,12 +165,7 @@ impl<L: Lanes> Clip<L> {
         of_host: &Depths<L>,
     ) -> Left {
         let [a, b, c, d] = of_host;
-        let depth = [
-            a.get()[face],
-            b.get()[face],
-            c.get()[face],
-            d.get()[face],
-        ];
+        let depth = [a.get()[face], b.get()[face], c.get()[face], d.get()[face]];
         if !self.section(&depth, host) {
             return Left::Nothing;
         }

@@ -25,8 +25,18 @@ use std::collections::BTreeSet;
 const STRUCK: f64 = 2.0;
 
 impl World {
-    /// Freezes and wakes bodies; called after every step.
+    /// Freezes and wakes bodies; called after every step. Over ranks it tells the others which bodies are awake.
     pub(super) fn update_active_set(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        let rigid = self.rest_rigid(halo)?;
+        let deformable = self.rest_deformables()?;
+        if rigid || deformable {
+            self.tell_rest(halo)?;
+        }
+        Ok(())
+    }
+
+    /// Freezes and wakes rigid bodies. Whether any may have been.
+    fn rest_rigid(&mut self, halo: &mut dyn Halo) -> Result<bool, SolveError> {
         // Also where sleep is forbidden, so that bodies at rest sleep at once when it is
         // allowed again.
         self.count_quiet_steps();
@@ -45,7 +55,7 @@ impl World {
             self.unsettled = is_any(!rest, halo)?;
         }
         if self.unsettled || !self.parameters.sleeping.enabled {
-            return Ok(());
+            return Ok(false);
         }
         let struck = self.struck_bodies();
         self.wake(&struck);
@@ -58,11 +68,7 @@ impl World {
             self.freeze(&sleepers);
             self.wake(&wakers);
         }
-        if self.may_rest_deformables() {
-            // They are told when these have been judged too.
-            return Ok(());
-        }
-        self.tell_rest(halo)
+        Ok(true)
     }
 
     /// Wakes sleepers that have lost a contact without which they are not balanced. They are no longer beside

@@ -92,6 +92,19 @@ impl World {
             self.ask(self.time + dt, host)?;
         }
         self.check_step(dt)?;
+        self.begin_step(dt, halo)?;
+        self.meet_guests(halo)?;
+        self.touch(dt)?;
+        self.end_step(dt, halo)?;
+        self.end_bonds(halo)?;
+        self.update_active_set(halo)?;
+        self.crack_deformables()?;
+        self.retire_cracks();
+        self.adapt_bodies()
+    }
+
+    /// The first half kick, the drift, and the forces inside bodies.
+    fn begin_step(&mut self, dt: f64, halo: &mut dyn Halo) -> Result<(), SolveError> {
         let stream = self.resisting_stream(halo)?;
         self.kick(0.5 * dt, stream);
         self.drift(dt, halo)?;
@@ -99,20 +112,17 @@ impl World {
         self.arrive();
         self.steps += 1;
         let stream = self.resisting_stream(halo)?;
-        self.advance_deformables(dt, stream)?;
-        self.meet_guests(halo)?;
-        self.touch(dt)?;
+        self.advance_deformables(dt, stream)
+    }
+
+    /// The second half kick.
+    fn end_step(&mut self, dt: f64, halo: &mut dyn Halo) -> Result<(), SolveError> {
         let stream = self.resisting_stream(halo)?;
         self.kick(0.5 * dt, stream);
         let deformable = self.kick_deformables(0.5 * dt, stream);
         self.book_exchange(deformable);
         self.counters.body_steps += self.awake.len() as u64;
-        self.end_bonds(halo)?;
-        self.update_active_set(halo)?;
-        self.rest_deformables(halo)?;
-        self.crack_deformables()?;
-        self.retire_cracks();
-        self.adapt_bodies()
+        Ok(())
     }
 
     /// Books the energy that the step exchanged. Frozen bodies have none in motion; deformable ones have `deformable`, J.

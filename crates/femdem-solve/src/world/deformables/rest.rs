@@ -10,7 +10,6 @@
 use super::each::on_each_with;
 use super::{Deformables, Scratch, State, centroid, inertia};
 use crate::error::SolveError;
-use crate::halo::Halo;
 use crate::parameters::WorldParameters;
 use crate::rest::{RestRecord, Whole};
 use crate::world::World;
@@ -46,23 +45,20 @@ enum Change {
 
 impl World {
     /// Whether deformable bodies may be frozen.
-    pub(in crate::world) fn may_rest_deformables(&self) -> bool {
+    fn may_rest_deformables(&self) -> bool {
         let rule = &self.parameters.sleeping;
         rule.enabled && rule.deformables && self.deformables.is_some()
     }
 
-    /// Freezes and wakes deformable bodies; called after every step. Over ranks it tells the others which bodies are awake.
-    pub(in crate::world) fn rest_deformables(
-        &mut self,
-        halo: &mut dyn Halo,
-    ) -> Result<(), SolveError> {
+    /// Freezes and wakes deformable bodies. Whether any may have been.
+    pub(in crate::world) fn rest_deformables(&mut self) -> Result<bool, SolveError> {
         if !self.may_rest_deformables() {
-            return Ok(());
+            return Ok(false);
         }
         let driven = self.is_driven(0.0);
         let (time, steps, parameters) = (self.time, self.steps, &self.parameters);
         let Some(deformables) = self.deformables.as_deref_mut() else {
-            return Ok(());
+            return Ok(false);
         };
         let Deformables { models, bodies, .. } = &mut *deformables;
         let batch = &self.batch;
@@ -95,7 +91,7 @@ impl World {
                 Change::Awake => deformables.wake(i, &mut self.batch),
             }
         }
-        self.tell_rest(halo)
+        Ok(true)
     }
 
     /// Stops the deformable bodies that pass their equilibrium, but for what moves as prescribed, and returns their number.
