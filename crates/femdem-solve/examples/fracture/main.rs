@@ -65,6 +65,7 @@ fn bars(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
             let values = [
                 ("strength", bar.strength),
                 ("energy", bar.energy),
+                ("pieces", bar.pieces as f64),
                 ("books", bar.books),
             ];
             print(out, ["bar", &mesh, &format!("seed {seed}")], &values)?;

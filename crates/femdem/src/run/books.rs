@@ -123,7 +123,7 @@ mod tests {
             material = \"m\"
             behaviour = \"deformable\"
             position = [0.02, 0.01, 0.01]
-            orientation = { rotation-vector = [0.3, 0.2, 0.1] }
+            rotation = { axis = [3, 2, 1], angle = 20 }
             ";
         let folder = tempfile::tempdir().unwrap();
         let mut run = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
