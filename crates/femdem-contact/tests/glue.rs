@@ -2,7 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use femdem_contact::glue::{GlueLaw, GluedFacet, GluedForces, Softening, mixed_energy};
+use femdem_contact::glue::{
+    GlueLaw, GlueLimits, GluedFacet, GluedForces, MidSurface, Softening, mixed_energy,
+    mixed_strength,
+};
 use femdem_mesh::{Rotation, Vector3};
 use proptest::prelude::*;
 
@@ -28,8 +31,15 @@ fn triangle() -> [Vector3; 3] {
 
 /// A facet that was cut under a traction, and what its springs were lent, J.
 fn cut(law: &GlueLaw, traction: [f64; 3]) -> (GluedFacet, f64) {
+    rising(law, traction, 0.0)
+}
+
+/// The same, whose glue rises to a peak, Pa.
+fn rising(law: &GlueLaw, traction: [f64; 3], peak: f64) -> (GluedFacet, f64) {
     let mut facet = GluedFacet::new(AREA).unwrap();
-    let lent = (0..3).map(|q| facet.join(q, law, traction)).sum();
+    let energy = law.energy(traction);
+    let limits = GlueLimits { peak, energy };
+    let lent = (0..3).map(|q| facet.join(q, law, traction, &limits)).sum();
     (facet, lent)
 }
 
@@ -109,6 +119,90 @@ fn breaking_takes_the_energy_of_the_mode() {
             }
         }
     }
+}
+
+/// A facet opens like a page: its corners split one after the other, the later ones under what the others have left, which may be
+/// nothing or more than the strength. It carries that at their birth, and takes G A altogether, whatever the order and the
+/// steps; no corner holds beyond the opening at which one of full strength breaks.
+#[test]
+fn corners_that_split_late_take_their_energy() {
+    let strength = 5e6;
+    for softening in [
+        Softening::Linear,
+        Softening::Exponential,
+        Softening::Bilinear,
+    ] {
+        let law = law(softening);
+        let limits = GlueLimits {
+            peak: strength,
+            energy: 20.0,
+        };
+        let end = strength / law.stiffness + softening.end() * limits.energy / strength;
+        for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
+            for parts in [[1.0, 0.4, 0.1], [1.0, 0.7, 0.0], [1.0, 1.6, 1e-9]] {
+                let mut facet = GluedFacet::new(AREA).unwrap();
+                let (mut lost, mut lent) = (0.0, 0.0);
+                let mut side = triangle();
+                for (q, part) in order.into_iter().zip(parts) {
+                    let before: Vector3 = facet.forces(&law, &triangle(), &side).on[0].iter().sum();
+                    lent += facet.join(q, &law, [part * strength, 0.0, 0.0], &limits);
+                    let after: Vector3 = facet.forces(&law, &triangle(), &side).on[0].iter().sum();
+                    let axis = MidSurface::new(&triangle(), &side).unwrap().axes[0];
+                    let wanted = axis * (part * strength * AREA / 3.0);
+                    assert!((after - before - wanted).norm() < 1e-12);
+                    let mut damage = facet.damage(&law);
+                    for _ in 0..7 {
+                        side[q].z += 0.1 * end;
+                        lost += facet.advance(&law, &triangle(), &side).glue;
+                        let now = facet.damage(&law);
+                        assert!((0..3).all(|q| now[q] >= damage[q]));
+                        damage = now;
+                    }
+                }
+                assert!(!facet.is_broken(&law));
+                let apart = side.map(|x| Vector3::new(x.x, x.y, 1.01 * end));
+                lost += facet.advance(&law, &triangle(), &apart).glue;
+                assert!(facet.is_broken(&law), "{softening:?} {parts:?}");
+                let taken = (lost - lent) / AREA / limits.energy;
+                assert!(
+                    (taken - 1.0).abs() < 1e-10,
+                    "{softening:?} {parts:?} {taken}"
+                );
+            }
+        }
+    }
+}
+
+/// Where elements are so coarse that the rise alone would take more than half of the energy, the peak is lower; the energy is not.
+#[test]
+fn glue_too_soft_for_its_peak_takes_its_energy() {
+    let soft = GlueLaw {
+        stiffness: 1e11,
+        ..law(Softening::Linear)
+    };
+    let (mut facet, lent) = rising(&soft, [1e6, 0.0, 0.0], 5e6);
+    let (mut most, mut lost) = (0.0_f64, 0.0);
+    for k in 1..=400 {
+        let apart = moved(Vector3::z() * (1e-6 * f64::from(k)));
+        lost += facet.advance(&soft, &triangle(), &apart).glue;
+        let on = facet.forces(&soft, &triangle(), &apart).on[0];
+        most = most.max(on.iter().map(|f| f.z).sum::<f64>() / AREA);
+    }
+    assert!(facet.is_broken(&soft));
+    assert!(((lost - lent) / AREA / 20.0 - 1.0).abs() < 1e-10);
+    // (P² − T²)/(2k) = G/2.
+    let peak = (1e12_f64 + 1e11 * 20.0).sqrt();
+    assert!(most < peak && most > 0.98 * peak, "{most}");
+}
+
+#[test]
+fn strengths_of_mixed_modes_lie_on_an_ellipse() {
+    for (sliding, wanted) in [(0.0, 3.0), (1.0, 4.0), (0.5, 288_f64.sqrt() / 5.0)] {
+        assert!((mixed_strength([3.0, 4.0], sliding) - wanted).abs() < 1e-12);
+    }
+    let wrong = |peak, energy| GlueLimits { peak, energy }.check().unwrap_err().to_string();
+    assert!(wrong(-1.0, 20.0).contains("peak of glue"));
+    assert!(wrong(1.0, 0.0).contains("energy of glue"));
 }
 
 /// What has softened stays soft, unloads towards where it was born, and presses as if it were whole.
@@ -282,10 +376,11 @@ proptest! {
         turn in [-3.0..3.0, -3.0..3.0, -3.0..3.0],
         which in 0..3_usize,
         presses: bool,
+        peak in 0.0..1e7,
     ) {
         let softening = [Softening::Linear, Softening::Exponential, Softening::Bilinear][which];
         let law = GlueLaw { presses, ..law(softening) };
-        let (mut facet, _) = cut(&law, born);
+        let (mut facet, _) = rising(&law, born, peak);
         facet.advance(&law, &past[0], &past[1]);
         let now = facet.forces(&law, &at[0], &at[1]);
         let largest = now.on.iter().flatten().map(Vector3::norm).fold(1e-9, f64::max);
@@ -318,9 +413,10 @@ proptest! {
         born in traction(),
         corners in prop::collection::vec([-3e-6..3e-6, -3e-6..3e-6, -1e-6..5e-6], 2..4),
         presses: bool,
+        peak in 0.0..1e7,
     ) {
         let law = GlueLaw { presses, ..law(Softening::Linear) };
-        let (mut facet, lent) = cut(&law, born);
+        let (mut facet, lent) = rising(&law, born, peak);
         let mut path = vec![Vector3::zeros()];
         path.extend(corners.into_iter().map(Vector3::from));
         path.push(Vector3::zeros());

@@ -180,6 +180,54 @@ fn a_bar_in_tension_breaks_at_its_strength_and_closes_again() {
 }
 
 /// As long as nothing cracks, a body that may break moves with the same bits as one that cannot.
+/// A block with a weak plane of facets is torn along it, one edge first, so that the corners of facets split one after another, the late
+/// ones when the others have let go: each facet in that plane takes G times its area, whatever was left there.
+#[test]
+fn facets_in_the_plane_of_a_crack_take_their_energy() {
+    let size = Vector3::new(0.02, 0.005, 0.02);
+    let mut world = still();
+    let mesh = TetMesh::block([8, 2, 8], &size).unwrap();
+    let nodes: Vec<Vector3> = mesh.points().iter().map(|p| p.coords).collect();
+    let id = world
+        .add_model("block", model(&mesh), ContactStiffness::default())
+        .unwrap();
+    let body = world
+        .add_deformable(DeformableSpec {
+            fracture: Some(rock([10.0, 10.0])),
+            ..DeformableSpec::at_rest(id, Pose::identity())
+        })
+        .unwrap();
+    let is_seam = |x: &Vector3| (x.x - 0.5 * size.x).abs() < 1e-9;
+    let factor = |x: &Vector3| if is_seam(x) { 1.0 } else { 100.0 };
+    let factors: Vec<f64> = nodes.iter().map(factor).collect();
+    world.scale_strength(body, &factors).unwrap();
+    let apart = |x: &Vector3| Vector3::x() * ((x.x / size.x - 0.5) * (0.3 + 9.0 * x.z / size.z));
+    let velocities: Vec<Vector3> = nodes.iter().map(apart).collect();
+    world.set_nodes(body, &nodes, &velocities).unwrap();
+    while fragments(&world) < 2 {
+        world.step().unwrap();
+        assert!(world.time() < 1e-4, "it does not break");
+    }
+    let body = world.deformable(body).unwrap();
+    let cracks = body.cracks().unwrap();
+    let all = cracks.spent().iter().copied().chain(cracks.facets());
+    let (mut count, mut births) = (0, Vec::new());
+    for facet in all.filter(|facet| facet.end.is_some()) {
+        let [a, b, c] = facet.place;
+        let area = 0.5 * (b - a).cross(&(c - a)).norm();
+        // At the cut facets are tilted by strains of f/E, which count squared.
+        let taken = facet.taken / (10.0 * area);
+        let tilt = (TENSILE / YOUNG).powi(2);
+        assert!((taken - 1.0).abs() < tilt, "{taken} {facet:?}");
+        births.push(facet.birth);
+        count += 1;
+    }
+    births.sort_by(f64::total_cmp);
+    births.dedup();
+    assert!(count == 32 && births.len() > 2, "{count} {births:?}");
+    assert!(world.ledger().error_relative().abs() < 1e-3);
+}
+
 /// A bar that is weaker in one plane breaks there at the strength of that plane; what means nothing is refused.
 #[test]
 fn a_bar_with_a_seam_breaks_at_the_seam() {

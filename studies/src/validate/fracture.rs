@@ -88,6 +88,8 @@ fn near_one(figure: &str, values: impl Iterator<Item = f64>, share: f64) -> Chec
 }
 
 fn checks(output: &Output) -> Vec<Check> {
+    let bars: &[&str] = &["8 x 2", "12 x 3", "16 x 4"];
+    let seeds: &[&str] = &["seed 1", "seed 2", "seed 3"];
     let seams: &[&str] = &["plane", "rough"];
     let rates: &[&str] = &["rate 0.1", "rate 1", "rate 10", "rate 100"];
     let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
@@ -97,12 +99,12 @@ fn checks(output: &Output) -> Vec<Check> {
     vec![
         near_one(
             "bar, strength, three meshes, three seeds",
-            all(output, "bar", "strength"),
+            each(output, ["bar", "strength"], bars, seeds),
             0.03,
         ),
         near_one(
             "bar, energy over G A, the same",
-            all(output, "bar", "energy"),
+            each(output, ["bar", "energy"], bars, seeds),
             0.1,
         ),
         near_one(
@@ -177,7 +179,8 @@ fn checks(output: &Output) -> Vec<Check> {
 const TEXT: &str = "Linear tetrahedra, neo-Hookean, E = 20 GPa, nu = 0.2, 2,500 kg/m3; half the default step; no friction. Nodes are moved by up to a \
 fifth of an edge. No law or constant of the program is fitted to these tests.\n\n\
 - **Bar** of 40 x 10 x 10 mm, f = 5 MPa, G = 20 J/m2, pulled apart at 0.1 m/s. Strength: largest mean tension over f. Energy: what it \
-has taken until 0.3 ms after it came in two, over G times its section.\n\
+has taken until 0.3 ms after it came in two, over G times its section. Pieces: 1 if anything still joined all of it after 1 ms, when \
+its ends are ten times as far apart as a crack bears.\n\
 - **Block** of 20 x 20 x 40 mm, c = 20 MPa, tan(phi) = 0.8, compressed at 0.5 m/s with a pressure on its sides. Strength: largest \
 axial stress over that of Mohr and Coulomb. Held: stress after a tenth more compression over the largest; 0.1 and below ends the run.\n\
 - **Opened**: double cantilever beam, arms 10 mm high and 2 mm wide, notch 30 mm from the load, G = 10 J/m2, f = 5 MPa, so that the \
@@ -195,14 +198,18 @@ have dissipated over G times their area.\n\n\
 **Chosen in trials**, so that a crack runs in the seam: the set-ups of opened and bent, that is strength and energy, the pressure on the \
 ends, the notch, the speed, a local damping of 0.1, no self-contact, and the window of the mean. What they show is these set-ups, not \
 any beam.\n\n\
-**No convergence**: J of opened is near G at 0.7 mm as it falls from mesh to mesh. One more run, at 0.5 mm with the plane seam, gave \
-0.93; it is not in the table. Trials with other set-ups gave J/G up to 2.0 at 0.7 mm. J of bent is above G on all meshes. Facets in the \
-plane of the crack take less than G, the less the coarser the mesh.\n\n\
+**What the mesh does**: J of opened falls from mesh to mesh, towards G, and is above it on all. Facets of the plane seam take G, to \
+four digits; a rough seam is counted as the plane in the rims of its parts, of which the facets have up to 1 % more. Before the \
+glue had a peak and an energy of its own, a corner that split late took only the part T/f of G under the traction T that the others had \
+left: 0.75, 0.81 and 0.87 of G on the three meshes, with J of 1.45, 1.16 and 0.99, and 0.93 at 0.5 mm, which did not converge. Trials \
+with other set-ups gave J/G up to 2.0 at 0.7 mm then. J of bent is above G on all meshes; on that of 1 mm the crack jumps (spread).\n\n\
 **Causes, not tested**: a node at the tip is looked at by the mean stress around it, which includes what is open behind, so that too much \
-may have to be released, and the rest go into vibrations; and corners that open late are born with the traction that is left there, \
-which may be why facets take less than G. Both would shrink with the mesh, and be of opposite sign. Why bars that burst have longer pieces than the formula, \
-and why the bar's energy depends on the mesh, is not known.\n\n\
-**Not run**: the discs of the example (`disc`, the Brazilian test), six runs of hours in all (estimated). Nothing here speaks of them.\n\n";
+may have to be released, and the rest go into vibrations. A bar of two cells across, of 5 mm where the process zone is 16 mm, cracks in \
+two places from opposite sides; the part between them turns, and nothing pulls at what still joins it. Why bars that burst had longer \
+pieces than the formula is not known.\n\n\
+**Not run**: the discs of the example (`disc`, the Brazilian test), six runs of hours in all (estimated). Nothing here speaks of them. Not \
+run again since the glue has its own peak and energy, and therefore not here: bars of 16 x 4 x 4, blocks of 8 x 8 x 16 and those under \
+pressure on their sides, and bars that burst.\n\n";
 
 /// The values, a line for each run.
 fn table(output: &Output) -> String {

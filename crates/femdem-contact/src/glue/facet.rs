@@ -1,7 +1,7 @@
 //! A cut facet whose sides still hold, press and rub.
 
 use super::law::Glue;
-use super::{GlueLaw, MidSurface};
+use super::{GlueLaw, GlueLimits, MidSurface};
 use crate::error::{ContactError, check};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// A pair of nodes that a crack has split.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Point {
-    /// `None` where the facet carried no tension and no more shear than friction holds.
+    /// `None` where it bears nothing.
     pub glue: Option<Glue>,
     /// Offset g of the contact, m, and what it loses in a step once no glue is left.
     pub offset: f64,
@@ -144,8 +144,15 @@ impl GluedFacet {
 
     /// Joins the pair of nodes `q` (0 to 2) that has just been split, under the traction (Pa) that the facet carries there, in
     /// the axes of its [`MidSurface`]: the normal part, positive in tension, and two along the facet, of the second side on the
-    /// first. Returns the energy that its springs were lent, J.
-    pub fn join(&mut self, q: usize, law: &GlueLaw, traction: [f64; 3]) -> f64 {
+    /// first. Its glue has the limits given; those are for [`GlueLimits::check`] to test. Returns the energy that its springs
+    /// were lent, J.
+    pub fn join(
+        &mut self,
+        q: usize,
+        law: &GlueLaw,
+        traction: [f64; 3],
+        limits: &GlueLimits,
+    ) -> f64 {
         let Some(point) = self.points.get_mut(q) else {
             return 0.0;
         };
@@ -157,7 +164,7 @@ impl GluedFacet {
         let [one, two] = [traction[1], traction[2]];
         let rest = [normal.max(0.0), one * (1.0 - share), two * (1.0 - share)];
         let new = Point {
-            glue: Glue::born(law, rest),
+            glue: Glue::born(law, rest, limits),
             offset: pressure / law.contact,
             fade: if law.presses {
                 0.0

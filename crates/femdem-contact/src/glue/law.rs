@@ -32,6 +32,43 @@ pub fn mixed_energy(energies: [f64; 2], mix: f64, sliding: f64) -> f64 {
     energies[0] + (energies[1] - energies[0]) * sliding.clamp(0.0, 1.0).powf(mix)
 }
 
+/// Traction at which a plane without pressure fails in a mixed mode, Pa, for strengths by opening and by sliding: on their ellipse,
+/// 1/P² = (1 − s)/f² + s/c², where s is the part of sliding.
+#[must_use]
+pub fn mixed_strength(strengths: [f64; 2], sliding: f64) -> f64 {
+    inverse_square(strengths, sliding.clamp(0.0, 1.0))
+        .sqrt()
+        .recip()
+}
+
+/// One over the square of the strength in a mode, 1/Pa².
+pub(super) fn inverse_square([tensile, cohesion]: [f64; 2], s: f64) -> f64 {
+    (1.0 - s) / tensile.powi(2) + s / cohesion.powi(2)
+}
+
+/// What the glue of a point bears, and what it takes to break it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GlueLimits {
+    /// The traction from which on it softens, P, Pa; 0 for that at birth.
+    pub peak: f64,
+    /// The energy G that it takes to break it, J/m²; the glue dissipates as much, and what was lent at its birth.
+    pub energy: f64,
+}
+
+impl GlueLimits {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    ///
+    /// [`ContactError::Parameter`] for a peak that is negative or not finite, and an energy that is not positive and finite.
+    pub fn check(&self) -> Result<(), ContactError> {
+        let allowed = "at least 0 and finite, in Pa";
+        check("peak of glue", self.peak, self.peak >= 0.0, allowed)?;
+        let allowed = "above 0 and finite, in J/m^2";
+        check("energy of glue", self.energy, self.energy > 0.0, allowed)
+    }
+}
+
 impl GlueLaw {
     /// Checks the numbers.
     ///
@@ -55,8 +92,7 @@ impl GlueLaw {
         check("friction", self.friction, self.friction >= 0.0, allowed)
     }
 
-    /// The energy G that it takes to break a point that is born under a traction (normal, and two along the facet, Pa), J/m².
-    /// The glue dissipates as much, and what was lent at its birth.
+    /// The energy G that it takes to break a point in the mode of a traction (normal, and two along the facet, Pa), J/m².
     #[must_use]
     pub fn energy(&self, traction: [f64; 3]) -> f64 {
         let [normal, one, two] = [traction[0].max(0.0), traction[1], traction[2]];
@@ -73,20 +109,30 @@ pub(super) struct Glue {
     /// Traction where the sides have not opened, in the axes of the facet, Pa: that at birth for glue born there, with a normal
     /// part that is not negative; for glue of a bond, what friction took from it.
     pub traction: [f64; 3],
-    /// Its magnitude, above 0, Pa.
+    /// The largest traction that it bears, above 0, Pa.
     peak: f64,
-    /// Dissipated from birth to the end, J/m².
+    /// Dissipated beyond the peak, J/m².
     energy: f64,
     /// The largest λ so far, m.
     largest: f64,
 }
 
 impl Glue {
-    /// `None` without a traction.
-    pub fn born(law: &GlueLaw, traction: [f64; 3]) -> Option<Self> {
+    /// Glue born under a traction T (Pa), on the elastic branch of its law: it rises to its peak P, or has its peak at once if T is
+    /// more. So no force jumps, and breaking takes G whatever T is: the energy E beyond the peak is what is left of
+    ///
+    /// G = ∫ t dλ − T²/(2k) = (P² − T²)/(2k) + E,   λ from 0.
+    ///
+    /// The rise has at most half of G: P is less where elements are so coarse, thus k so small, that it would have more. `None`
+    /// for glue that bears nothing.
+    pub fn born(law: &GlueLaw, traction: [f64; 3], limits: &GlueLimits) -> Option<Self> {
         let traction = [traction[0].max(0.0), traction[1], traction[2]];
-        let peak = traction.iter().map(|t| t * t).sum::<f64>().sqrt();
-        (peak > 0.0).then(|| Self::softening(law, traction, peak, law.energy(traction)))
+        let square = traction.iter().map(|t| t * t).sum::<f64>();
+        let most = square + law.stiffness * limits.energy;
+        let peak_square = (limits.peak * limits.peak).min(most).max(square);
+        let rise = 0.5 * (peak_square - square) / law.stiffness;
+        let peak = peak_square.sqrt();
+        (peak > 0.0).then(|| Self::softening(law, traction, peak, limits.energy - rise))
     }
 
     /// Glue that softens from a peak (Pa) on, and dissipates an energy beyond it, J/m².
@@ -134,14 +180,15 @@ impl Glue {
             && self.traction.iter().all(|x| x.is_finite())
     }
 
-    /// Stored at birth, J/m².
+    /// Stored where the sides have not opened, J/m²: T²/(2k), before it has softened.
     pub fn lent(&self, law: &GlueLaw) -> f64 {
-        0.5 * self.peak * self.peak / law.stiffness
+        0.5 * self.traction.iter().map(|t| t * t).sum::<f64>() / law.stiffness
     }
 
-    /// Dissipated since the birth, J/m²: the area under the traction up to the largest λ, less what is stored there.
+    /// Dissipated so far, J/m²: the area under the traction up to the largest λ, less what is stored there.
     fn dissipated(&self, law: &GlueLaw) -> f64 {
-        self.lent(law) + self.energy * law.softening.area(self.beyond(law))
+        0.5 * self.peak * self.peak / law.stiffness
+            + self.energy * law.softening.area(self.beyond(law))
             - 0.5 * self.strength(law) * self.largest
     }
 

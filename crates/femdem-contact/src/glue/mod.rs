@@ -6,8 +6,10 @@
 //! w = ½ S(λ_max) λ² + ½ k_c ⟨g − δ_n⟩² + ½ k_t |δ_t − s|²,   λ² = ⟨δ_n + t_n/k⟩² + |δ_t + τ/k|²
 //!
 //! - The **glue** is born with the traction (t_n, τ) that the facet carries when it is cut, so that nothing jumps. Its secant
-//!   stiffness S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals. To break it takes
-//!   exactly G per area ([`GlueLaw::energy`]), with G between those of the two modes by [`mixed_energy`].
+//!   stiffness S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals. Peak and energy
+//!   are its own ([`GlueLimits`]), whatever it is born with: below the peak it rises on its spring first, and breaking
+//!   takes exactly G per area. A corner of a facet that splits after the others, when they have unloaded it, so takes no less than
+//!   they do, and opens no farther.
 //! - The **contact** of the faces, of stiffness k_c, is born with the pressure that the facet carries (g), and with friction that
 //!   carries as much of the shear as it can. Where another law [presses](GlueLaw::presses) faces that overlap, the spring only
 //!   keeps the pressure of the birth: ½ k_c ⟨g − ⟨δ_n⟩⟩² + k_c g ⟨−δ_n⟩, with g that fades once the glue is broken.
@@ -18,7 +20,7 @@
 //! with the turning of the axes; forces and moments of a facet balance.
 //!
 //! ```
-//! use femdem_contact::glue::{GlueLaw, GluedFacet, Softening};
+//! use femdem_contact::glue::{GlueLaw, GlueLimits, GluedFacet, Softening};
 //! use femdem_mesh::Vector3;
 //!
 //! let law = GlueLaw {
@@ -34,8 +36,9 @@
 //! law.check()?;
 //! let a = [Vector3::zeros(), Vector3::x() * 1e-3, Vector3::y() * 1e-3];
 //! let (mut facet, mut lent) = (GluedFacet::new(0.5e-6)?, 0.0);
+//! let limits = GlueLimits { peak: 5e6, energy: law.energies[0] };
 //! for q in 0..3 {
-//!     lent += facet.join(q, &law, [5e6, 0.0, 0.0]); // born under a tension of 5 MPa
+//!     lent += facet.join(q, &law, [5e6, 0.0, 0.0], &limits); // born under a tension of 5 MPa
 //! }
 //! // Side b pulls side a with 5 MPa, upwards.
 //! let pull = facet.forces(&law, &a, &a).on[0].iter().sum::<Vector3>();
@@ -61,7 +64,7 @@ mod softening;
 
 pub(crate) use facet::Openings;
 pub use facet::{GlueLoss, GluedFacet, GluedForces};
-pub use law::{GlueLaw, mixed_energy};
+pub use law::{GlueLaw, GlueLimits, mixed_energy, mixed_strength};
 pub use mid_surface::MidSurface;
 pub(crate) use onset::Onset;
 pub use softening::Softening;

@@ -1,7 +1,7 @@
 //! Points that hold from the start, until their strength is reached.
 
 use super::facet::{GluedFacet, Point};
-use super::law::{Glue, GlueLaw};
+use super::law::{Glue, GlueLaw, inverse_square};
 
 /// How a point gave way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,11 +83,6 @@ impl GluedFacet {
 
 /// Intervals of the part of sliding in [`GluedFacet::least_beyond_peak`].
 const INTERVALS: u32 = 256;
-
-/// One over the square of the peak in a mode, 1/Pa².
-fn inverse_square([tensile, cohesion]: [f64; 2], s: f64) -> f64 {
-    (1.0 - s) / tensile.powi(2) + s / cohesion.powi(2)
-}
 
 /// The energy of fracture in a mode, J/m².
 fn of_mode(law: &GlueLaw, s: f64) -> f64 {

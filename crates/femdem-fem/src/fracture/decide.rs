@@ -7,6 +7,7 @@ use super::star::Star;
 use super::strength::FractureMode;
 use crate::error::FemError;
 use femdem_mesh::tet::{CrackedMesh, Split};
+use femdem_mesh::{Matrix3, Vector3};
 
 /// The ratio from which a node fails beside an open crack without lying on a cut facet, or without a tetrahedron clearly
 /// on one side of the plane.
@@ -19,6 +20,12 @@ pub struct Cut {
     pub facet: u32,
     /// How it opens.
     pub mode: FractureMode,
+    /// The part of its area that it has in the mean plane of the facets that divide the star of the node, of normal Σ A n: 1 in a
+    /// plane crack, and summed over a zigzag the area of that plane. At least 0.05, so that a facet across it has some way,
+    /// too, to let its traction go.
+    pub flat: f64,
+    /// The part of sliding in the traction of that plane under the stress of the node: τ²/(τ² + ⟨σ_n⟩²).
+    pub sliding: f64,
 }
 
 /// What a decision found and did.
@@ -122,8 +129,14 @@ impl NodalDecision<'_> {
                 continue;
             };
             let mode = planes.mode();
-            let cuts = best.facets.iter().map(|&facet| Cut { facet, mode });
-            decision.cuts.extend(cuts);
+            let sliding = sliding(&stress.cauchy, &best.normal);
+            let cuts = best.facets.iter().zip(&best.flat);
+            decision.cuts.extend(cuts.map(|(&facet, &flat)| Cut {
+                facet,
+                mode,
+                flat,
+                sliding,
+            }));
             for split in cracked.cut(&best.facets)? {
                 is_open[cracked.points()[split.node as usize] as usize] = true;
                 positions.push(positions[split.node as usize]);
@@ -132,4 +145,13 @@ impl NodalDecision<'_> {
         }
         Ok(())
     }
+}
+
+/// The part of sliding in the traction of a plane under a stress.
+fn sliding(cauchy: &Matrix3, normal: &Vector3) -> f64 {
+    let traction = cauchy * normal;
+    let pull = traction.dot(normal);
+    let shear = (traction - normal * pull).norm_squared();
+    let all = shear + pull.max(0.0).powi(2);
+    if all > 0.0 { shear / all } else { 0.0 }
 }

@@ -13,6 +13,9 @@ const FREE: f64 = 0.35;
 /// How much dearer than one in the plane a facet across it is, over its area.
 const TURNED: f64 = 1.5;
 
+/// The least part of its area that a facet counts with.
+const LEAST: f64 = 0.05;
+
 /// A facet with the node, between two of its tetrahedra.
 struct Link {
     facet: u32,
@@ -36,6 +39,10 @@ pub(super) struct Star {
 pub(super) struct Division {
     pub cost: f64,
     pub facets: Vec<u32>,
+    /// See [`Cut::flat`](super::Cut::flat).
+    pub flat: Vec<f64>,
+    /// The normal of the mean plane of all facets between the two sides.
+    pub normal: Vector3,
 }
 
 impl Star {
@@ -115,16 +122,34 @@ impl Star {
         let parts = minimum_cut(&sides, &edges);
         let between = self.links.iter().zip(&edges);
         let between = between.filter(|(link, _)| parts[link.ends[0]] != parts[link.ends[1]]);
+        let between: Vec<(&Link, &Edge)> = between.collect();
+        let mean = mean_normal(between.iter().map(|(link, _)| *link), &parts);
+        let mean = mean.unwrap_or(*normal);
         let mut division = Division {
             cost: 0.0,
             facets: Vec::new(),
+            flat: Vec::new(),
+            normal: mean,
         };
         for (link, edge) in between {
             division.cost += edge.cost;
             if !link.is_cut {
                 division.facets.push(link.facet);
+                let flat = link.normal.dot(&mean).abs().min(1.0);
+                division.flat.push(flat.max(LEAST));
             }
         }
         Some(division)
     }
+}
+
+/// The normal of the plane on which the facets between two sides have the largest area, Σ A n over its length: it is that
+/// of any surface with the same rim.
+fn mean_normal<'a>(between: impl Iterator<Item = &'a Link>, parts: &[bool]) -> Option<Vector3> {
+    let outward = |link: &Link| {
+        let area = link.normal * link.area;
+        if parts[link.ends[0]] { area } else { -area }
+    };
+    let sum: Vector3 = between.map(outward).sum();
+    sum.try_normalize(0.0)
 }

@@ -91,8 +91,43 @@ fn a_plane_of_facets_is_followed_exactly() {
         .map(|cut| body.area(cut.facet).x.abs())
         .sum();
     assert!((area - 0.03 * 0.02).abs() < 1e-15);
+    assert!(decision.cuts.iter().all(|cut| cut.flat > 1.0 - 1e-12));
+    assert!(decision.cuts.iter().all(|cut| cut.sliding < 1e-24));
     assert_eq!(decision.splits.len(), 4 * 3);
     assert_eq!(body.cracked.parts().iter().max(), Some(&1));
+}
+
+/// The facets that divide the star of a node of a lattice count, together, with the area of the plane in their rim, whatever the zigzag.
+#[test]
+fn a_zigzag_counts_as_the_plane_in_its_rim() {
+    let mesh = lattice_bar(2.5e-3);
+    let middle = nearest(&mesh, &Vector3::new(0.02, 0.005, 0.005));
+    for axis in [Vector3::x(), Vector3::new(1.0, 0.5, 0.2).normalize()] {
+        let mut body = Body::new(&mesh, uniaxial(&axis, 1.2 * TENSILE));
+        alone(&mut body, middle);
+        let decision = body.decide();
+        // The sides of a facet are its tetrahedra; they are those of the node on either side.
+        let vectors: Vec<Vector3> = decision
+            .cuts
+            .iter()
+            .map(|cut| body.area(cut.facet))
+            .collect();
+        let towards = |v: &Vector3| if v.dot(&axis) < 0.0 { -v } else { *v };
+        let rim: Vector3 = vectors.iter().map(towards).sum();
+        let whole: f64 = vectors.iter().map(Vector3::norm).sum();
+        let pairs = decision.cuts.iter().zip(&vectors);
+        let counted: f64 = pairs.map(|(cut, v)| cut.flat * v.norm()).sum();
+        assert!((counted / rim.norm() - 1.0).abs() < 1e-12, "{counted}");
+        assert!(counted < 0.99 * whole);
+        // That plane carries tension along the axis: what slides is its tilt.
+        let tilt = rim.normalize().dot(&axis).powi(2);
+        assert!(
+            decision
+                .cuts
+                .iter()
+                .all(|cut| (cut.sliding - (1.0 - tilt)).abs() < 1e-9)
+        );
+    }
 }
 
 /// A bar of a lattice without such planes. The crack starts in the middle and goes on, a node at a time, at the node on its

@@ -1,7 +1,7 @@
 //! Tests of strength with known results.
 //!
 //! `cargo studies validate fracture` runs all but `disc`, which takes hours. Takes which test to run, for discs the number of one of
-//! them, from 0, for beams the edge of one mesh, m. Prints lines of columns separated by tabs: `value`, test, mesh, setting,
+//! them, from 0, for beams the edge of one mesh, m, for bars the cells across of one. Prints lines of columns separated by tabs: `value`, test, mesh, setting,
 //! quantity, value.
 
 mod bar;
@@ -53,13 +53,19 @@ fn print(
 
 /// Bars in tension: three meshes, three seeds of their places of nodes.
 fn bars(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    for cells in [[8, 2, 2], [12, 3, 3], [16, 4, 4]] {
+    let across = match std::env::args().nth(2) {
+        Some(one) => vec![one.parse()?],
+        None => vec![2, 3, 4],
+    };
+    for n in across {
+        let cells = [4 * n, n, n];
         let mesh = format!("{} x {} x {}", cells[0], cells[1], cells[2]);
         for seed in [1, 2, 3] {
             let bar = bar::break_in_tension(cells, f64::from(seed))?;
             let values = [
                 ("strength", bar.strength),
                 ("energy", bar.energy),
+                ("pieces", bar.pieces as f64),
                 ("books", bar.books),
             ];
             print(out, ["bar", &mesh, &format!("seed {seed}")], &values)?;

@@ -12,9 +12,9 @@ use crate::world::deformables::nodal_bound::NodalBound;
 use crate::world::deformables::rest::Rest;
 use crate::world::deformables::{Deformables, Model, Scratch, State, foundation};
 use femdem_contact::deform::{Modulus, NodalLoads};
-use femdem_contact::glue::{GlueLaw, GluedFacet};
+use femdem_contact::glue::{GlueLaw, GlueLimits, GluedFacet, mixed_energy, mixed_strength};
 use femdem_contact::{BodyId, ContactBatch};
-use femdem_fem::fracture::{Decision, Strength};
+use femdem_fem::fracture::{Cut, Decision};
 use femdem_fem::{DeformableModel, ElementStress};
 use femdem_mesh::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -124,10 +124,15 @@ impl World {
     }
 }
 
-/// The part of the strength without pressure that a traction uses, less the shear that friction bears.
-fn in_use(strength: &Strength, [normal, one, two]: &[f64; 3], friction: f64) -> f64 {
-    let shear = (one.hypot(*two) - friction * (-normal).max(0.0)).max(0.0);
-    (normal.max(0.0) / strength.tensile()).hypot(shear / strength.cohesion())
+/// The limits of a facet that is cut: those of the plane that fails, in its mode, over the part of the facet's area that lies in
+/// that plane. A facet askew carries less than the strength, T = |n·d| f, and all of them open equally far; the sum over a zigzag is
+/// the energy of the plane.
+fn limits(fracture: &Fracture, cut: &Cut) -> GlueLimits {
+    let strengths = [fracture.strength.tensile(), fracture.strength.cohesion()];
+    GlueLimits {
+        peak: cut.flat * mixed_strength(strengths, cut.sliding),
+        energy: cut.flat * mixed_energy(fracture.energies, fracture.mix, cut.sliding),
+    }
 }
 
 /// What the faces of a crack have of the body.
@@ -197,8 +202,7 @@ impl State {
             return Ok(None);
         };
         if !found.cuts.is_empty() {
-            let law = |height: f64| faces.law(fracture, height);
-            cracks.add(model, &found, law, time)?;
+            cracks.add(model, &found, fracture, faces, time)?;
         }
         if found.splits.is_empty() {
             return Ok(None);
@@ -207,7 +211,7 @@ impl State {
         let next = model.cracked(cracks.mesh.mesh(model.mesh().points())?)?;
         self.split(&next, &found, cracks)?;
         cracks.loosened = true;
-        cracks.open(&self.positions, &stresses, &fracture.strength, factors);
+        cracks.open(&self.positions, &stresses, factors);
         cracks.stiffen(self.positions.len());
         Ok(Some(next))
     }
@@ -285,7 +289,8 @@ impl CrackState {
         &mut self,
         model: &DeformableModel,
         found: &Decision,
-        law: impl Fn(f64) -> GlueLaw,
+        fracture: &Fracture,
+        faces: &Faces,
         time: f64,
     ) -> Result<(), SolveError> {
         for cut in &found.cuts {
@@ -298,7 +303,7 @@ impl CrackState {
                 .map(|t| model.volumes()[*t as usize])
                 .sum();
             let height = 1.5 * volume / area;
-            let law = law(height);
+            let law = faces.law(fracture, height);
             law.check()?;
             self.joints.push(Joint {
                 facet: cut.facet,
@@ -309,6 +314,7 @@ impl CrackState {
                 birth: time,
                 end: None,
                 mode: cut.mode,
+                limits: limits(fracture, cut),
                 taken: 0.0,
             });
         }
@@ -317,17 +323,7 @@ impl CrackState {
 
     /// Joins the pairs of nodes that have just been split, under the traction that the facet carries: that of the mean stress of
     /// the elements beside it, over its area before the body deformed.
-    ///
-    /// A facet askew to the plane of fracture carries less than the strength, T = |n·d| f, and all of them have to open equally. So the
-    /// energy of each is T/f of the given one: it breaks at the opening at which one in the plane does, and the sum over a
-    /// zigzag is the energy of the plane.
-    fn open(
-        &mut self,
-        positions: &[Vector3],
-        stresses: &[ElementStress],
-        strength: &Strength,
-        factors: &[f64],
-    ) {
+    fn open(&mut self, positions: &[Vector3], stresses: &[ElementStress], factors: &[f64]) {
         let facets = self.mesh.facets().all();
         for joint in &mut self.joints {
             let [first, second] = joint.sides;
@@ -351,13 +347,11 @@ impl CrackState {
             if let Some(traction) = in_axes(&middle, |normal| mean * normal * grown) {
                 for q in new {
                     let factor = factors[self.mesh.points()[first[q] as usize] as usize];
-                    let used = in_use(strength, &traction, joint.law.friction) / factor;
-                    let share = used.min(1.0);
-                    let law = GlueLaw {
-                        energies: joint.law.energies.map(|energy| energy * share),
-                        ..joint.law
+                    let limits = GlueLimits {
+                        peak: factor * joint.limits.peak,
+                        ..joint.limits
                     };
-                    let lent = joint.glued.join(q, &law, traction);
+                    let lent = joint.glued.join(q, &joint.law, traction, &limits);
                     self.flows.lent += lent;
                     joint.taken -= lent;
                 }

@@ -1,6 +1,6 @@
 //! Facets that a crack has cut and that glue, or the pressure of their birth, still joins.
 
-use femdem_contact::glue::{GlueLaw, GluedFacet, GluedForces, MidSurface};
+use femdem_contact::glue::{GlueLaw, GlueLimits, GluedFacet, GluedForces, MidSurface};
 use femdem_fem::fracture::FractureMode;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,8 @@ pub(crate) struct Joint {
     /// When it was cut, s.
     pub birth: f64,
     pub mode: FractureMode,
+    /// What its glue bears, but for the factors of the strength at its nodes, and takes.
+    pub limits: GlueLimits,
     /// When nothing of its glue was left, s.
     pub end: Option<f64>,
     /// What its glue has dissipated beyond what it was lent, J.

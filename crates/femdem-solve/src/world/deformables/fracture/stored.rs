@@ -46,7 +46,9 @@ impl CrackState {
         };
         let nodes = own.model.nodes().len();
         let joined = self.joints.iter().all(|joint| {
-            Some(joint.sides) == self.mesh.sides(joint.facet) && joint.law.check().is_ok()
+            Some(joint.sides) == self.mesh.sides(joint.facet)
+                && joint.law.check().is_ok()
+                && joint.limits.check().is_ok()
         });
         if own.edge.is_none() {
             Err("the model")
