@@ -152,7 +152,7 @@ pub struct SleepParameters {
     /// sleep. A body is a candidate once it has rested for 1.3 windows. It is then stopped at each
     /// maximum of its kinetic energy. It stays frozen if (1) the sum of |residual| over its nodes is below
     /// `tolerance` times the sum of |external force| on them, and (2) the net force and moment are below
-    /// `tolerance` as for rigid bodies. It wakes when one of these exceeds 2 `tolerance`. It does not follow
+    /// `tolerance` of its load scale. It wakes when one of these exceeds 2 `tolerance`. It does not follow
     /// smaller changes of its loads, nor do its stresses. Rigid bodies that touch a deformable one sleep only
     /// if it does.
     pub deformables: bool,

@@ -24,6 +24,8 @@ pub(crate) struct Whole {
     pub diameter: f64,
     /// N.
     pub weight: f64,
+    /// Whether its net force is compared with its weight, or with its load scale.
+    pub by: SleepMeasure,
     /// Number of contacts, and the sum of their normal forces, N.
     pub contacts: u32,
     pub borne: f64,
@@ -44,8 +46,8 @@ impl Whole {
     }
 
     /// What net forces are compared with, N.
-    fn measure(&self, rule: &SleepParameters) -> f64 {
-        match rule.measure {
+    fn measure(&self) -> f64 {
+        match self.by {
             SleepMeasure::Weight if self.weight > 0.0 => self.weight,
             SleepMeasure::Weight | SleepMeasure::Load => self.scale(),
         }
@@ -54,7 +56,7 @@ impl Whole {
     /// Imbalance over its measure at which a frozen body wakes.
     fn wake_share(&self, rule: &SleepParameters) -> f64 {
         let (scale, limit) = (self.scale(), CONFINED * self.weight);
-        let factor = match rule.measure {
+        let factor = match self.by {
             SleepMeasure::Load if scale > limit => scale / limit,
             SleepMeasure::Load | SleepMeasure::Weight => 1.0,
         };
@@ -63,7 +65,7 @@ impl Whole {
 
     /// Whether the present forces of a frozen body balance well enough for it to stay asleep.
     pub fn holds(&self, rule: &SleepParameters) -> bool {
-        let bound = self.wake_share(rule) * self.measure(rule);
+        let bound = self.wake_share(rule) * self.measure();
         self.force.norm() < bound && self.moment.norm() < bound * self.diameter
     }
 }
@@ -101,7 +103,7 @@ impl RestRecord {
             && !rings
             && self.samples >= rule.window
             && creep < rule.creep() * energy_scale
-            && self.is_balanced(whole, rule.tolerance, rule);
+            && self.is_balanced(whole, rule.tolerance);
         self.contacts = whole.contacts;
         self.quiet_steps = if quiet {
             self.quiet_steps.saturating_add(1)
@@ -116,7 +118,7 @@ impl RestRecord {
         self.mix(whole, f64::from(rule.recheck()) / f64::from(rule.window));
         let lost = whole.contacts < self.contacts;
         self.contacts = whole.contacts;
-        (lost && !whole.holds(rule)) || !self.is_balanced(whole, whole.wake_share(rule), rule)
+        (lost && !whole.holds(rule)) || !self.is_balanced(whole, whole.wake_share(rule))
     }
 
     /// Awake again. The means of force and moment are kept. Restarted from zero they would let the body sleep again
@@ -127,14 +129,19 @@ impl RestRecord {
         self.angular_velocity = Vector3::zeros();
     }
 
+    /// Whether this was the first step without motion.
+    pub fn is_first_calm(&self) -> bool {
+        self.samples == 2
+    }
+
     /// Whether it has been at rest for long enough to be frozen.
     pub fn has_rested(&self, rule: &SleepParameters) -> bool {
         self.quiet_steps >= rule.steps()
     }
 
     /// Whether the mean force, and the mean moment over the diameter, are below a share of the measure.
-    fn is_balanced(&self, whole: &Whole, share: f64, rule: &SleepParameters) -> bool {
-        let bound = share * whole.measure(rule);
+    fn is_balanced(&self, whole: &Whole, share: f64) -> bool {
+        let bound = share * whole.measure();
         whole.contacts > 0
             && self.force.norm() < bound
             && self.moment.norm() < bound * whole.diameter

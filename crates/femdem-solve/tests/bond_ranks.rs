@@ -150,6 +150,14 @@ fn bonded_bodies_have_the_same_bits_on_any_ranks() {
 /// Also numbers of bodies whose bonds have ended.
 #[test]
 fn bonded_bodies_may_leave() {
+    let mut alone = masonry();
+    for _ in 0..500 {
+        alone.step().unwrap();
+    }
+    let gone = [20, 3, 17, 10];
+    let ended = alone.bonds().filter(|(_, bond)| bond.has_ended());
+    let mut ended = ended.flat_map(|(_, bond)| bond.bodies());
+    assert!(ended.any(|id| gone.contains(&id)));
     comes_and_goes_alike(&masonry(), [[20, 3], [17, 10]], ball);
 }
 

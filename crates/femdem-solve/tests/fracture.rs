@@ -179,7 +179,6 @@ fn a_bar_in_tension_breaks_at_its_strength_and_closes_again() {
     );
 }
 
-/// As long as nothing cracks, a body that may break moves with the same bits as one that cannot.
 /// A block with a weak plane of facets is torn along it, one edge first, so that the corners of facets split one after another, the late
 /// ones when the others have let go: each facet in that plane takes G times its area, whatever was left there.
 #[test]
@@ -265,6 +264,7 @@ fn a_bar_with_a_seam_breaks_at_the_seam() {
     assert!(refused.to_string().contains("cracks"), "{refused}");
 }
 
+/// As long as nothing cracks, a body that may break moves with the same bits as one that cannot.
 #[test]
 fn before_it_cracks_a_body_has_the_same_bits() {
     let [mut may, mut cannot] = [Some(rock([20.0, 100.0])), None].map(|f| bar([8, 2, 2], 0.05, f));

@@ -290,6 +290,11 @@ fn what_flows_over_ranks_is_what_flows_alone() {
     let mut run = Run::new(Scenario::from_toml(FLOWING).unwrap()).unwrap();
     run.advance(folder.path(), u64::MAX).unwrap();
     let expected = result(&run, folder.path());
+    let rows = expected.0["flow.csv"]
+        .iter()
+        .filter(|&&c| c == b'\n')
+        .count();
+    assert!(rows > 10, "{rows}");
     let members = &run.simulation().members;
     let left = members.iter().filter(|m| m.id == Member::GONE).count();
     assert!(

@@ -87,6 +87,20 @@ fn near_one(figure: &str, values: impl Iterator<Item = f64>, share: f64) -> Chec
     )
 }
 
+/// A check that every bar came in pieces.
+fn fewest(mut pieces: impl Iterator<Item = f64>) -> Check {
+    let least = pieces.try_fold(f64::INFINITY, |least, n| {
+        (!n.is_nan()).then(|| least.min(n))
+    });
+    let least = least.unwrap_or(f64::NAN);
+    Check::holds(
+        "bar, pieces, the same",
+        "at least 2",
+        format!("{least}"),
+        least >= 2.0,
+    )
+}
+
 fn checks(output: &Output) -> Vec<Check> {
     let bars: &[&str] = &["8 x 2", "12 x 3", "16 x 4"];
     let seeds: &[&str] = &["seed 1", "seed 2", "seed 3"];
@@ -102,6 +116,7 @@ fn checks(output: &Output) -> Vec<Check> {
             each(output, ["bar", "strength"], bars, seeds),
             0.03,
         ),
+        fewest(each(output, ["bar", "pieces"], bars, seeds)),
         near_one(
             "bar, energy over G A, the same",
             each(output, ["bar", "energy"], bars, seeds),

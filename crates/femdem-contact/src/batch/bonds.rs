@@ -387,12 +387,15 @@ impl ContactBatch {
     /// Energy stored in the bonds that are on the books here, J; with a body, in those of it alone.
     pub fn stored_in_bonds(&self, body: impl Into<Option<BodyId>>) -> f64 {
         let body = body.into();
-        let own = |bond: &&Bond| {
-            let is_of = body.is_none_or(|body| bond.bodies().contains(&body));
-            is_of && !self.is_guest(key(bond.bodies()).1)
-        };
-        let all = self.bonds.iter().filter(own);
+        let is_of = |bond: &&Bond| body.is_none_or(|body| bond.bodies().contains(&body));
+        let all = self.booked_bonds().filter(is_of);
         0.0 + all.map(|bond| bond.state().energy).sum::<f64>()
+    }
+
+    /// Those that no other batch books.
+    pub(super) fn booked_bonds(&self) -> impl Iterator<Item = &Bond> {
+        let all = self.bonds.iter();
+        all.filter(|bond| !self.is_guest(key(bond.bodies()).1))
     }
 
     /// The bodies that bonds hold together with those of a list, themselves included, ascending. Bonds of bodies that do not

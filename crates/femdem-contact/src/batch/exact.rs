@@ -56,7 +56,7 @@ impl ContactBatch {
             .collect();
         let part = self.deformable.as_deref();
         sum.extend(part.into_iter().flat_map(|part| part.energies()));
-        sum.add(self.stored_in_bonds(None));
+        sum.extend(self.booked_bonds().map(|bond| bond.state().energy));
         sum
     }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// A pair of nodes that a crack has split.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Point {
-    /// `None` where it bears nothing.
+    /// `None` where it was born under pressure whose friction bore all the shear.
     pub glue: Option<Glue>,
     /// Offset g of the contact, m, and what it loses in a step once no glue is left.
     pub offset: f64,
@@ -164,7 +164,7 @@ impl GluedFacet {
         let [one, two] = [traction[1], traction[2]];
         let rest = [normal.max(0.0), one * (1.0 - share), two * (1.0 - share)];
         let new = Point {
-            glue: Glue::born(law, rest, limits),
+            glue: Glue::born(law, rest, limits).filter(|_| pressure == 0.0 || rest != [0.0; 3]),
             offset: pressure / law.contact,
             fade: if law.presses {
                 0.0

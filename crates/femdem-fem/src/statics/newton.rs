@@ -200,7 +200,8 @@ impl Newton {
                 format!("apply the load in smaller steps; the last step failed: {error}")
             }
             None if report.residual() < NEAR => AT_ROUND_OFF.to_owned(),
-            None => "apply the load in smaller steps; the tangent may not belong to the forces"
+            None => "apply the load in smaller steps, or relax the body in a world; the tangent may not \
+                     belong to the forces"
                 .to_owned(),
         };
         self.failure(report, &advice)

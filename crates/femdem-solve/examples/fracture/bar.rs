@@ -15,7 +15,7 @@ const SPEED: f64 = 0.05;
 /// bears.
 const REST: f64 = 3e-4;
 
-/// Time in which the bar has to come in two, s: by then its ends are twelve times as far apart as a crack bears.
+/// Time in which the bar has to come in two, s: by then its ends are ten times as far apart as a crack bears.
 const LIMIT: f64 = 1e-3;
 
 /// What came out.

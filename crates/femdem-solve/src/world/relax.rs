@@ -264,13 +264,17 @@ impl World {
         options: &WorldRelaxation,
         report: &mut WorldRelaxed,
     ) -> Result<(), SolveError> {
+        let mut rigid = 0.0;
         for round in 1.. {
             for _ in 0..LOOK {
                 self.step()?;
                 report.steps[1] += 1;
                 report.stops += self.stop_deformables_at_peaks();
-                if self.is_slowing() {
+                let bodies = self.free_bodies();
+                let energy = bodies.map(|(_, body)| body.kinetic_energy()).sum();
+                if energy < std::mem::replace(&mut rigid, energy) {
                     self.stop_rigid();
+                    rigid = 0.0;
                     report.stops += 1;
                 }
             }

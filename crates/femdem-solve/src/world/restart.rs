@@ -127,9 +127,10 @@ impl World {
             self.step_control.see(contact, body, laws);
             self.step_control.launch(body);
         }
-        if !self.batch.is_awake(id) {
-            self.wake(&[id]);
-        }
+        // What is bonded to it wakes with it.
+        let mut piece = self.with_bonded_sleepers(&[id]);
+        piece.retain(|&id| !self.batch.is_awake(id));
+        self.wake(&piece);
         self.loaded = false;
         Ok(())
     }

@@ -324,10 +324,10 @@ fn bodies_sleep_between_taps() {
     }
 }
 
-/// A new rule judges anew: a body that slides without friction keeps sliding, at whichever step the
+/// A body that slides slowly without friction is not at rest: it keeps sliding, at whichever step the
 /// rule is replaced by one of a shorter window.
 #[test]
-fn a_new_rule_judges_anew() {
+fn a_slow_slide_is_no_rest() {
     let mut p = sleepy();
     p.contact.friction = 0.0;
     let mut world = column_with(p, Element::T4, &[0.001]);

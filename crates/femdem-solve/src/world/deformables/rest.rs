@@ -10,7 +10,7 @@
 use super::each::on_each_with;
 use super::{Deformables, Scratch, State, centroid, inertia};
 use crate::error::SolveError;
-use crate::parameters::WorldParameters;
+use crate::parameters::{SleepMeasure, WorldParameters};
 use crate::rest::{RestRecord, Whole};
 use crate::world::World;
 use femdem_contact::ContactBatch;
@@ -30,6 +30,9 @@ pub(crate) struct Rest {
     whole: RestRecord,
     /// Kinetic energy at the end of the last step, J.
     energy: f64,
+    /// When it moved no more, s, and where its nodes were then, m.
+    since: f64,
+    places: Vec<Vector3>,
 }
 
 /// Change of a body at the end of a step.
@@ -229,6 +232,7 @@ impl Judge<'_> {
             moment_of_inertia: inertia.symmetric_eigenvalues().max(),
             diameter: 2.0 * self.batch.deformable_shapes()[state.model as usize].radius(),
             weight: mass * self.parameters.gravity.norm(),
+            by: SleepMeasure::Load,
             contacts: u32::from(self.batch.touches(self.body)),
             borne,
             force,
@@ -252,7 +256,15 @@ impl Judge<'_> {
         let whole = self.whole(state, energy);
         let may_rest = !self.driven && state.boundary.is_free();
         rest.whole.count(&whole, rule, may_rest);
+        if rest.whole.is_first_calm() {
+            rest.since = self.time;
+            rest.places.clone_from(&state.positions);
+        }
         if !rest.whole.has_rested(rule) || !has_passed {
+            return Ok(Change::None);
+        }
+        if self.creeps(rest, state, &whole) {
+            rest.whole = RestRecord::default();
             return Ok(Change::None);
         }
         state.stop();
@@ -265,6 +277,17 @@ impl Judge<'_> {
             return Ok(Change::Asleep(energy));
         }
         Ok(Change::Stopped(energy))
+    }
+
+    /// Whether its nodes have moved on: Σ ½ m |Δx|²/t² since they moved no more.
+    fn creeps(&self, rest: &Rest, state: &State, whole: &Whole) -> bool {
+        let time = self.time - rest.since;
+        let nodes = state.positions.iter().zip(&rest.places);
+        let energy: f64 = nodes
+            .zip(self.model.masses())
+            .map(|((x, y), m)| 0.5 * m * (x - y).norm_squared() / (time * time))
+            .sum();
+        energy >= self.parameters.sleeping.creep() * whole.scale() * whole.diameter
     }
 
     /// Imbalance of a body at rest, the largest of: the sum of |residual| over its nodes over the sum of

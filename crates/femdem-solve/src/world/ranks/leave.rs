@@ -5,6 +5,7 @@ use super::{Until, ranks};
 use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::world::World;
+use crate::world::active::is_any;
 use femdem_contact::{BodyId, PairRecord};
 
 impl World {
@@ -20,6 +21,12 @@ impl World {
         halo: &mut dyn Halo,
     ) -> Result<(), SolveError> {
         self.fits(halo)?;
+        let driven = self.share.is_some() && numbers.iter().any(|number| self.drives(*number));
+        if is_any(driven, halo)? {
+            return Err(ranks(
+                "removing a driven body is not possible in a world that is shared out: gather it first",
+            ));
+        }
         for &number in numbers {
             if self.share.is_some() {
                 self.strike(number)?;
@@ -47,20 +54,19 @@ impl World {
         self.tell_rest(halo)
     }
 
-    /// Strikes a number off the list of the whole, and takes its body away if it is here.
-    fn strike(&mut self, number: BodyId) -> Result<(), SolveError> {
-        let here = self.number_here(number);
-        let driven = here.is_some_and(|id| {
+    /// Whether a body of a number of the whole is here and driven.
+    fn drives(&self, number: BodyId) -> bool {
+        self.number_here(number).is_some_and(|id| {
             let nodes = self.nodes_of(id);
             let moves =
                 nodes.is_some_and(|nodes| nodes.boundary.is_driven(self.time, f64::INFINITY));
             moves || (self.batch.is_rigid(id) && self.is_driven_body(id))
-        });
-        if driven {
-            return Err(ranks(
-                "removing a driven body is not possible in a world that is shared out: gather it first",
-            ));
-        }
+        })
+    }
+
+    /// Strikes a number off the list of the whole, and takes its body away if it is here.
+    fn strike(&mut self, number: BodyId) -> Result<(), SolveError> {
+        let here = self.number_here(number);
         let count = self.count_in_whole();
         if let Some(share) = self.share.as_deref_mut() {
             let vacant = &mut share.whole.vacant;

@@ -270,6 +270,10 @@ impl World {
                 "bodies that are deformable near their strength only",
                 self.adaptive_bodies().next().is_some(),
             ),
+            (
+                "bonds beside deformable bodies",
+                self.own_nodes().next().is_some() && self.batch.bonds().next().is_some(),
+            ),
             ("friction that begins", self.batch.begins_friction()),
         ] {
             if is_there {

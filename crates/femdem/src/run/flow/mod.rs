@@ -1,7 +1,7 @@
 //! Flow: walls that open, sources, and gates at which bodies are counted or leave.
 //!
 //! Before a step walls open and bodies come; after it those that have passed a gate are counted, and those beyond a sink leave. A
-//! body keeps its number when others leave, and numbers are not given again.
+//! body keeps its number among the members when others leave, and these are not given again.
 
 mod begin;
 mod bring;

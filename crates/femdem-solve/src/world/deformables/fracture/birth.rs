@@ -125,8 +125,8 @@ impl World {
 }
 
 /// The limits of a facet that is cut: those of the plane that fails, in its mode, over the part of the facet's area that lies in
-/// that plane. A facet askew carries less than the strength, T = |n·d| f, and all of them open equally far; the sum over a zigzag is
-/// the energy of the plane.
+/// that plane. In tension along d a facet askew carries less than the strength, T = |n·d| f, and all of them open equally far; the
+/// sum over a zigzag is about the energy of the plane. The mode stays that of the cut, whichever way the facet opens later.
 fn limits(fracture: &Fracture, cut: &Cut) -> GlueLimits {
     let strengths = [fracture.strength.tensile(), fracture.strength.cohesion()];
     GlueLimits {
