@@ -267,7 +267,7 @@ mod tests {
             "released",
             "1",
         );
-        let of_beams = |text: &str| checks(&Output::parse(text)).remove(4);
+        let of_beams = |text: &str| checks(&Output::parse(text)).remove(5);
         assert!(!of_beams(&text).met);
         let rough = |value| {
             row(
