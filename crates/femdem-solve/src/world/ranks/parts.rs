@@ -328,10 +328,15 @@ impl Share {
         });
         let mut guides = self.whole.guides.iter();
         let guided = guides.all(|guide| guide.drive().is_some() && guide.validate().is_ok());
+        let vacant = |number: BodyId| self.whole.vacant.binary_search(&number).is_ok();
+        let is_there = |number: BodyId| number < self.whole.total && !vacant(number);
+        let mut bonds = self.ended.iter();
+        let ended = bonds.all(|pair| has_ended(pair) && bodies_of(pair).all(is_there));
         self.cuts.is_sound()
             && is_length(self.whole.largest)
             && self.whole.edges.is_sound()
             && lasting
+            && ended
             && guided
             && counted
             && ascending
