@@ -222,8 +222,8 @@ with other set-ups gave J/G up to 2.0 at 0.7 mm then. J of bent is above G on al
 may have to be released, and the rest go into vibrations. A bar of two cells across, of 5 mm where the process zone is 16 mm, cracks in \
 two places from opposite sides; the part between them turns, and nothing pulls at what still joins it. Why bars that burst had longer \
 pieces than the formula is not known.\n\n\
-**Not run**: the discs of the example (`disc`, the Brazilian test), six runs of hours in all (estimated). Nothing here speaks of them. \
-Of the bars of 16 x 4 x 4, seeds 2 and 3.\n\n";
+**Not run**: the discs of the example (`disc`, the Brazilian test), six runs of hours in all (estimated), of which nothing here speaks, \
+and of the bars of 16 x 4 x 4 seeds 2 and 3.\n\n";
 
 /// The values, a line for each run.
 fn table(output: &Output) -> String {
