@@ -156,7 +156,7 @@ pub struct SleepParameters {
     /// smaller changes of its loads, nor do its stresses. Rigid bodies that touch a deformable one sleep only
     /// if it does.
     pub deformables: bool,
-    /// What net forces are compared with.
+    /// What net forces of rigid bodies are compared with; those of deformable ones are with their load scale.
     pub measure: SleepMeasure,
     /// Mean net force, and mean net moment over d, below this fraction of the measure count as balanced.
     pub tolerance: f64,

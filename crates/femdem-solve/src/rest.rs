@@ -24,9 +24,9 @@ pub(crate) struct Whole {
     pub diameter: f64,
     /// N.
     pub weight: f64,
-    /// Whether its net force is compared with its weight, or with its load scale.
-    pub by: SleepMeasure,
-    /// Number of contacts, and the sum of their normal forces, N.
+    /// What its net force is compared with.
+    pub measure: SleepMeasure,
+    /// Number of contacts, of a deformable body 1 if it has any, and the sum of their normal forces, N.
     pub contacts: u32,
     pub borne: f64,
     /// Net force, N, and net moment about the centre, N m, without dashpots: a body that dashpots alone hold is not at rest.
@@ -46,8 +46,8 @@ impl Whole {
     }
 
     /// What net forces are compared with, N.
-    fn measure(&self) -> f64 {
-        match self.by {
+    fn compared_with(&self) -> f64 {
+        match self.measure {
             SleepMeasure::Weight if self.weight > 0.0 => self.weight,
             SleepMeasure::Weight | SleepMeasure::Load => self.scale(),
         }
@@ -56,7 +56,7 @@ impl Whole {
     /// Imbalance over its measure at which a frozen body wakes.
     fn wake_share(&self, rule: &SleepParameters) -> f64 {
         let (scale, limit) = (self.scale(), CONFINED * self.weight);
-        let factor = match self.by {
+        let factor = match self.measure {
             SleepMeasure::Load if scale > limit => scale / limit,
             SleepMeasure::Load | SleepMeasure::Weight => 1.0,
         };
@@ -65,7 +65,7 @@ impl Whole {
 
     /// Whether the present forces of a frozen body balance well enough for it to stay asleep.
     pub fn holds(&self, rule: &SleepParameters) -> bool {
-        let bound = self.wake_share(rule) * self.measure();
+        let bound = self.wake_share(rule) * self.compared_with();
         self.force.norm() < bound && self.moment.norm() < bound * self.diameter
     }
 }
@@ -141,7 +141,7 @@ impl RestRecord {
 
     /// Whether the mean force, and the mean moment over the diameter, are below a share of the measure.
     fn is_balanced(&self, whole: &Whole, share: f64) -> bool {
-        let bound = share * whole.measure();
+        let bound = share * whole.compared_with();
         whole.contacts > 0
             && self.force.norm() < bound
             && self.moment.norm() < bound * whole.diameter

@@ -128,7 +128,7 @@ impl World {
             moment_of_inertia: body.moments.max(),
             diameter: 2.0 * body.radius,
             weight: body.mass * self.parameters.gravity.norm(),
-            by: self.parameters.sleeping.measure,
+            measure: self.parameters.sleeping.measure,
             contacts: load.contacts,
             borne: load.normal_sum,
             force: self.net_force(i, load),

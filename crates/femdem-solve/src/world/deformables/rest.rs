@@ -142,9 +142,7 @@ impl Rest {
             ..Self::default()
         }
     }
-}
 
-impl Rest {
     /// Whether the body passes its equilibrium: its kinetic energy, J, has fallen since it was last asked for.
     fn has_passed(&mut self, energy: f64) -> bool {
         energy < std::mem::replace(&mut self.energy, energy)
@@ -232,7 +230,7 @@ impl Judge<'_> {
             moment_of_inertia: inertia.symmetric_eigenvalues().max(),
             diameter: 2.0 * self.batch.deformable_shapes()[state.model as usize].radius(),
             weight: mass * self.parameters.gravity.norm(),
-            by: SleepMeasure::Load,
+            measure: SleepMeasure::Load,
             contacts: u32::from(self.batch.touches(self.body)),
             borne,
             force,
