@@ -14,9 +14,12 @@ const EXAMPLE: &str = "-p femdem-solve --example fracture --";
 const VALUE: usize = 4;
 
 /// Tests of the example that are run: all but its discs, which take hours.
-const TESTS: [&str; 5] = ["bar", "block", "opened", "bent", "burst"];
+const TESTS: [&str; 8] = [
+    "bar", "block", "opened", "bent", "burst", "notched", "struck", "branch",
+];
 
-/// Bars in tension, blocks under compression, beams along which a crack runs, and bars that burst.
+/// Bars in tension, blocks under compression, beams along which a crack runs, bars that burst, notched beams, and plates in which
+/// cracks run fast.
 ///
 /// # Errors
 /// When the example cannot be built or fails.
@@ -106,6 +109,9 @@ fn checks(output: &Output) -> Vec<Check> {
     let seeds: &[&str] = &["seed 1", "seed 2", "seed 3"];
     let seams: &[&str] = &["plane", "rough"];
     let rates: &[&str] = &["rate 0.1", "rate 1", "rate 10", "rate 100"];
+    let notched = ["notched", "over the straight one"];
+    let plates: &[&str] = &["1.25 mm", "1.00 mm", "0.83 mm"];
+    let glass: &[&str] = &["1.25 mm", "1.00 mm", "0.62 mm"];
     let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
     // Of each test, so that none may be without values.
     let books = TESTS.map(|test| all(output, test, "books").map(f64::abs).reduce(larger));
@@ -182,6 +188,42 @@ fn checks(output: &Output) -> Vec<Check> {
             each(output, ["burst", "over the formula"], &["10 cells"], rates),
             0.15,
         ),
+        near_one(
+            "notched rock, load over that of a straight crack, mesh of 0.62 mm",
+            each(output, notched, &["0.62 mm"], &["rock"]),
+            0.05,
+        ),
+        near_one(
+            "the same, meshes of 0.9 and 1.25 mm",
+            each(output, notched, &["0.90 mm", "1.25 mm"], &["rock"]),
+            0.05,
+        ),
+        near_one(
+            "notched concrete, load over that of a straight crack, mesh of 12.5 mm",
+            each(output, notched, &["12.50 mm"], &["concrete"]),
+            0.05,
+        ),
+        near_one(
+            "the same, meshes of 20 and 25 mm",
+            each(output, notched, &["20.00 mm", "25.00 mm"], &["concrete"]),
+            0.05,
+        ),
+        near_one(
+            "struck, angle over 70 degrees, three meshes",
+            each(output, ["struck", "angle"], plates, &["16.5 m/s"]).map(|angle| angle / 70.0),
+            0.1,
+        ),
+        near_one(
+            "branch, branches over two, three meshes",
+            each(output, ["branch", "branches"], glass, &["1 MPa"]).map(|count| count / 2.0),
+            0.0,
+        ),
+        Check::at_most(
+            "branch, largest speed of the tip over that of Rayleigh waves",
+            each(output, ["branch", "speed"], glass, &["1 MPa"]).fold(0.0, larger),
+            0.6,
+            "",
+        ),
         Check::at_most(
             "all, relative error of the ledger",
             books.into_iter().fold(0.0, larger),
@@ -205,7 +247,18 @@ the mesh.\n\
 - **Bent**: end-loaded split, halves 5 mm high, notch 24 mm, by sliding: G = 50 J/m2, c = 12 MPa, so that E G/c2 is 7 mm long.\n\
 - **Burst**: a bar stretched at a rate over c0 f3/(E2 G), c0 the speed of sound; strengths differ by up to a hundredth; mean of three \
 seeds. Length: of the pieces over E G/f2. Formula: 4.5/(1 + 0.77 r^(1/4) + 5.4 r^(3/4)), which the public code DynFrag1D has for Zhou, \
-Molinari and Ramesh (2006); the paper was not read. It sums up calculations in one dimension.\n\n\
+Molinari and Ramesh (2006); the paper was not read. It sums up calculations in one dimension.\n\
+- **Notched**: beam on three points, a slice as thick as a cell under plane stress, notch to half its height W under the load; the crack \
+is free. Rock: 400 x 100 mm, f = 5 MPa, G = 6.25 J/m2, 20 process zones high. Concrete: 2,000 x 200 mm, E = 30 GPa, f = 3.3 MPa, G = 137 \
+J/m2 (the beam of Petersson 1981, as the tests of code_aster have it), half a process zone high. Load: the largest mean over a period of \
+the beam, over that of the fictitious crack (Hillerborg, Modeer and Petersson 1976) on a straight line, which the example calculates with \
+plane elements, 100 along the crack; for the rock that is 0.95 of what linear elastic fracture mechanics gives (ASTM E399). Taken, work: \
+over G and the height above the notch.\n\
+- **Struck** (Kalthoff and Winkler): half of a steel plate, 100 x 100 mm, E = 190 GPa, nu = 0.3, 8,000 kg/m3, G = 22.13 kJ/m2, f = 844 MPa, \
+notch of 50 mm, struck at 16.5 m/s; plane strain. Angle: of the crack to the notch, 70 degrees in the experiments.\n\
+- **Branch**: glass plate of 100 x 40 mm, E = 32 GPa, 2,450 kg/m3, G = 3 J/m2, f = 4.5 MPa, notch of 50 mm, pulled at once by 1 MPa; plane \
+strain. In calculations with phase fields the crack branches once and stays slower than 0.6 of Rayleigh waves (Borden and others 2012, not \
+read).\n\n\
 Opened and bent, released: J = -sum F u_z,x/b of the forces F across the beam at nodes of slope u_z,x (Rice 1968; Paris and Paris \
 1988), whatever the stiffness of the mesh, over G: the mean while the crack runs 5 mm (bent: 4 mm). Spread: standard deviation. Beam: \
 the same by the theory of beams, from load and way alone, without the length of the crack. Taken: what the broken facets of the seam \

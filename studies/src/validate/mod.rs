@@ -47,10 +47,9 @@ pub(crate) struct Options {
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
 
-    /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv), fracture (bar.tsv, block.tsv, opened.tsv, bent.tsv,
-    /// burst.tsv) or
-    /// boulders-deformable (rest.tsv, frozen.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of
-    /// running it
+    /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv), fracture (bar.tsv,
+    /// block.tsv, opened.tsv, bent.tsv, burst.tsv, notched.tsv, struck.tsv, branch.tsv) or boulders-deformable (rest.tsv,
+    /// frozen.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of running it
     #[arg(long, value_name = "DIR")]
     lines: Option<PathBuf>,
 }

@@ -1,19 +1,24 @@
 //! Tests of strength with known results.
 //!
 //! `cargo studies validate fracture` runs all but `disc`, which takes hours. Takes which test to run, for discs the number of one of
-//! them, from 0, for beams the edge of one mesh, m, for bars the cells across of one. Prints lines of columns separated by tabs: `value`, test, mesh, setting,
+//! them, from 0, for beams with a seam and plates the edge of one mesh, m, for bars the cells across of one. Prints lines of columns separated by tabs: `value`, test, mesh, setting,
 //! quantity, value.
 
 mod bar;
 mod beam;
 mod bent;
 mod block;
+mod branch;
 mod burst;
 mod course;
 mod disc;
+mod line;
 mod mean;
+mod notched;
 mod opened;
+mod plate;
 mod setting;
+mod struck;
 
 use std::error::Error;
 use std::io::Write;
@@ -31,7 +36,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         "opened" => opened(&mut out),
         "bent" => bent(&mut out),
         "burst" => bursts(&mut out),
-        _ => Err("say which: bar, block, disc, opened, bent or burst".into()),
+        "branch" => branches(&mut out),
+        "struck" => struck(&mut out),
+        "notched" => notched(&mut out),
+        _ => Err(
+            "say which: bar, block, disc, opened, bent, burst, branch, struck or notched".into(),
+        ),
     }
 }
 
@@ -167,6 +177,74 @@ fn bursts(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
                 ("books", books),
             ];
             print(out, ["burst", &mesh, &format!("rate {rate}")], &values)?;
+        }
+    }
+    Ok(())
+}
+
+/// Plates whose crack branches: three meshes, or the one that is asked for.
+fn branches(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for edge in meshes([1.25e-3, 1.0e-3, 0.625e-3])? {
+        let run = branch::branch(edge)?;
+        let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * edge, run.tets);
+        let mut values = vec![
+            ("start", run.start),
+            ("speed", run.speed),
+            ("taken", run.taken),
+            ("branches", if run.fork.is_some() { 2.0 } else { 1.0 }),
+        ];
+        if let Some(fork) = run.fork {
+            values.extend([
+                ("branch", fork.time),
+                ("its place", fork.place),
+                ("angle", fork.angle),
+            ]);
+        }
+        values.push(("books", run.books));
+        print(out, ["branch", &mesh, "1 MPa"], &values)?;
+    }
+    Ok(())
+}
+
+/// Plates that are struck beside their notch.
+fn struck(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for edge in meshes([1.25e-3, 1.0e-3, 0.1 / 120.0])? {
+        let run = struck::strike(edge)?;
+        let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * edge, run.tets);
+        let values = [
+            ("start", run.start),
+            ("angle", run.angle),
+            ("chord", run.chord),
+            ("length", run.length),
+            ("speed", run.speed),
+            ("books", run.books),
+        ];
+        print(out, ["struck", &mesh, "16.5 m/s"], &values)?;
+    }
+    Ok(())
+}
+
+/// Beams on three points: of a brittle rock, and of the concrete of Petersson's.
+fn notched(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    for (beam, setting, edges) in [
+        (notched::ROCK, "rock", [1.25e-3, 0.9e-3, 0.625e-3]),
+        (notched::CONCRETE, "concrete", [25e-3, 20e-3, 12.5e-3]),
+    ] {
+        let straight = line::largest_load(&beam);
+        for fine in edges {
+            let beam = notched::Notched { fine, ..beam };
+            let run = beam.bend()?;
+            let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * fine, run.tets);
+            let values = [
+                ("load", run.peak),
+                ("over the straight one", run.peak / straight),
+                ("over the brittle one", run.peak / beam.brittle()),
+                ("mouth", run.mouth),
+                ("taken", run.taken),
+                ("work", run.work),
+                ("books", run.books),
+            ];
+            print(out, ["notched", &mesh, setting], &values)?;
         }
     }
     Ok(())
