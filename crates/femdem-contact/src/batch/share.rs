@@ -38,6 +38,13 @@ impl BodyRecord {
         self.awake
     }
 
+    /// Gives a deformable body a shape of another index.
+    pub fn set_deformable_shape(&mut self, shape: u32) {
+        if let Some(soft) = &mut self.soft {
+            soft.shape = shape;
+        }
+    }
+
     /// The distance from the mean of the nodes of a deformable body within which they stay until it is next looked up, m.
     pub fn reach(&self) -> Option<f64> {
         Some(self.soft.as_deref()?.reach)
@@ -173,6 +180,35 @@ impl ContactBatch {
         let pairs = rigid.chain(soft).chain(bonds).map(PairRecord).collect();
         self.give_bodies(0, Vec::new(), Vec::new())?;
         Ok((bodies, pairs))
+    }
+
+    /// Forgets shapes of deformable bodies, of which there are none, but for those of these indices: they get others, in the same order.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] if there are deformable bodies.
+    pub fn keep_deformable_shapes(
+        &mut self,
+        keeps: impl Fn(u32) -> bool,
+    ) -> Result<(), ContactError> {
+        let count = self.deformable_count();
+        check(
+            "number of deformable bodies",
+            count as f64,
+            count == 0,
+            "0 where shapes are forgotten",
+        )?;
+        if let Some(part) = &mut self.deformable {
+            part.keep_shapes(keeps);
+        }
+        Ok(())
+    }
+
+    /// Notes that a body belongs to another batch: a part of a body of that one.
+    pub fn make_guest(&mut self, body: BodyId) {
+        self.pairs.set_guest(body as usize);
+        if let Some(part) = &mut self.deformable {
+            part.make_guest(body);
+        }
     }
 
     /// Whether friction of deformable bodies [begins](Self::begin_friction) in the next update.

@@ -292,15 +292,16 @@ impl World {
         let reach = self.reach(largest);
         let map = self.map(cuts);
         let mut bags: BTreeMap<usize, Parts> = BTreeMap::new();
-        for member in parts.members {
-            let mut near = map.near(&member.place(), reach(member.radius()));
-            let last = near.pop();
-            for rank in near {
-                bags.entry(rank).or_default().members.push(member.clone());
+        for mut member in parts.members {
+            let near = map.near(&member.place(), reach(member.radius()));
+            let owner = map.owner(&member.place());
+            for rank in near.into_iter().filter(|rank| *rank != owner) {
+                bags.entry(rank)
+                    .or_default()
+                    .members
+                    .push(member.as_guest());
             }
-            if let Some(rank) = last {
-                bags.entry(rank).or_default().members.push(member);
-            }
+            bags.entry(owner).or_default().members.push(member);
         }
         for pair in parts.pairs {
             let mut to: Vec<usize> = Vec::with_capacity(2);
@@ -345,7 +346,7 @@ impl World {
         let mut links: BTreeMap<usize, (Vec<BodyId>, Vec<BodyId>)> = BTreeMap::new();
         let (mut kept, mut until) = (Vec::new(), Vec::new());
         let map = self.map(&cuts);
-        for member in parts.members {
+        for mut member in parts.members {
             let (x, radius) = (member.place(), member.radius());
             let (owner, near) = (map.owner(&x), map.near(&x, reach(radius)));
             let id = kept.len() as BodyId;
@@ -355,6 +356,7 @@ impl World {
                 }
             } else if near.contains(&rank) {
                 links.entry(owner).or_default().1.push(id);
+                member.forget_fracture();
             } else {
                 continue;
             }

@@ -42,7 +42,8 @@ impl World {
         let is_kept = near.contains(&rank);
         let away = share.whole.edges.away(self.cell(), &body.position);
         if free.is_some() && is_kept != share.numbers.binary_search(&number).is_ok() {
-            self.make_room(is_kept.then_some(number))?;
+            let room = is_kept.then_some(number);
+            self.make_room(room.as_slice())?;
         }
         let Some(share) = self.share.as_deref_mut() else {
             return Ok(Whose::Own);
