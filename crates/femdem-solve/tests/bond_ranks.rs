@@ -263,10 +263,17 @@ fn bonded_bodies_that_are_far_apart_are_not_shared() {
     let middle = Vector3::new(0.4, 0.08, 0.3);
     let section = BondSection::disc(middle, Vector3::x(), 0.02).unwrap();
     world.add_bond(bodies, &section, MORTAR).unwrap();
-    let refused = Threads::each(3, |halo| {
-        let shared = world.clone().share_out(halo);
-        shared.err().map(|error| error.to_string())
-    });
-    let refused = refused.into_iter().flatten().next().unwrap();
-    assert!(refused.contains("farther apart"), "{refused}");
+    // Wherever the borders are, and before anything changes.
+    for size in [1, 3] {
+        let refused = Threads::each(size, |halo| {
+            let mut world = world.clone();
+            let before = world.state_hash().unwrap();
+            let refused = world.share_out(halo).unwrap_err().to_string();
+            assert_eq!(world.state_hash().unwrap(), before);
+            refused
+        });
+        for refused in refused {
+            assert!(refused.contains("farther apart"), "{refused}");
+        }
+    }
 }

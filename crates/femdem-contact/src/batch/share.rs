@@ -310,14 +310,27 @@ impl ContactBatch {
         Ok(())
     }
 
-    /// Adds a body of another batch that comes near those of this one, as [`add_body`](Self::add_body) does there.
+    /// Adds a body as [`add_body`](Self::add_body) does, under a number that is free or the next new one; that of another batch, which
+    /// comes near those of this one, as a guest.
     ///
     /// # Errors
-    /// As [`add_body`](Self::add_body).
-    pub fn add_guest(&mut self, shape: u32) -> Result<BodyId, ContactError> {
-        let body = self.add_body(shape)?;
-        self.pairs.set_guest(body as usize);
-        Ok(body)
+    /// As [`add_body`](Self::add_body), and [`ContactError::NoSuch`] for another number.
+    pub fn add_body_as(
+        &mut self,
+        body: BodyId,
+        shape: u32,
+        is_guest: bool,
+    ) -> Result<(), ContactError> {
+        let kind = self.known_shape(shape)?.kind();
+        let total = self.body_slots.total();
+        let slot = self.body_slots.take_this(body);
+        let slot = slot.ok_or_else(|| no_such("free number of a body", body as usize, total))?;
+        self.begin_number(slot, shape, kind);
+        self.begin_rigid(body);
+        if is_guest {
+            self.pairs.set_guest(body as usize);
+        }
+        Ok(())
     }
 
     /// The loads on walls anew, from the contacts of awake bodies that are no guests, in the order of an update.

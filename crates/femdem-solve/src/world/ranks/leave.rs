@@ -93,8 +93,8 @@ impl World {
         }
     }
 
-    /// Takes the places of removed bodies out of the lists here, and puts in those for bodies of these numbers in the whole: the batch
-    /// gives these next, the lowest first.
+    /// Takes the places of removed bodies out of the lists here, and puts in those for bodies of these numbers in the whole, ascending:
+    /// they are the ones that are free then.
     pub(super) fn make_room(&mut self, rooms: &[BodyId]) -> Result<(), SolveError> {
         let (all, is_own) = self.take_all()?;
         let Some(mut share) = self.share.take() else {

@@ -7,6 +7,7 @@
 //! Bodies are dealt anew before one of them can have come near another that its rank does not know of. In periodic space a body
 //! belongs to the rank in whose box its image in the cell is.
 
+mod bonds;
 mod break_up;
 mod cuts;
 mod deal;
@@ -282,7 +283,7 @@ impl World {
                 });
             }
         }
-        Ok(())
+        self.check_bonds()
     }
 
     /// Checks that the ranks have the same program, the same world and the same of something else.
