@@ -9,8 +9,8 @@ use femdem_fem::fracture::Weibull;
 use femdem_fem::{Boundary, Selection};
 use femdem_mesh::{Pose, Vector3};
 use femdem_solve::{
-    Alone, BodySpec, ContactStiffness, DeformableSpec, Drive, Fracture, Halo, SleepParameters,
-    TimeStepParameters, World, WorldParameters,
+    Alone, BodySpec, ContactStiffness, DeformableSpec, Drive, Fracture, Fragments, Halo,
+    SleepParameters, TimeStepParameters, World, WorldParameters,
 };
 use std::collections::BTreeSet;
 
@@ -21,7 +21,8 @@ const EDGE: f64 = 0.02;
 const LAST: u32 = 610;
 const STOP: u32 = 583;
 
-/// Cubes beside each other are thrown on a floor, with balls behind them, past one that is held at a side. All fall at once, so that
+/// Cubes beside each other are thrown on a floor, with balls behind them, past one that is held at a side. The pieces of one of them
+/// stay one body. All fall at once, so that
 /// several crack in the same step. Two numbers are free.
 fn thrown() -> World {
     let mut world = World::new(WorldParameters {
@@ -75,7 +76,14 @@ fn thrown() -> World {
             } else {
                 Boundary::default()
             },
-            fracture: Some(fracture),
+            fracture: Some(Fracture {
+                fragments: if k == 1 {
+                    Fragments::Pieces
+                } else {
+                    Fragments::Bodies
+                },
+                ..fracture
+            }),
             ..DeformableSpec::at_rest(cube, place)
         };
         world.add_deformable(spec).unwrap();
@@ -122,6 +130,8 @@ fn broken_bodies_have_the_same_bits_on_any_ranks() {
     change(&mut alone, &mut Alone);
     parted.extend(steps(&mut alone, &mut Alone, LAST - STOP));
     let at: BTreeSet<u64> = parted.iter().map(|parts| parts.0).collect();
+    let pieces = alone.deformable(2).unwrap().cracks().unwrap().fragments();
+    assert!(pieces.iter().max() > Some(&2), "{pieces:?}");
     assert!(at.len() > 2 && parted.len() > 2 * at.len(), "{parted:?}");
     let expected = alone.checksum_of_motion().unwrap();
     for size in [1, 2, 3, 4] {

@@ -484,7 +484,6 @@ damping = 0.2
 #[test]
 fn bonds_with_servos_drives_and_loads_over_ranks_are_those_alone() {
     let expected = alone(BOND_ROW);
-    println!("{:?}", expected.0.keys());
     for part in ["[300", "[4e-4", "2e3, speed"] {
         let other = BOND_ROW.replace(part, &format!("{}1{}", &part[..1], &part[1..]));
         assert!(other != BOND_ROW && alone(&other) != expected, "{part}");

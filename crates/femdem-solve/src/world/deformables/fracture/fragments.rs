@@ -75,7 +75,8 @@ impl World {
     ///
     /// # Errors
     /// [`SolveError::Fem`] and [`SolveError::Mesh`] where fragments are no sound bodies: no body has fallen into parts then. After an
-    /// error of the contacts, [`SolveError::Contact`], the world is of no further use.
+    /// error of the contacts, [`SolveError::Contact`], the world is of no further use. [`SolveError::Ranks`] in a world that is
+    /// [shared out](Self::share_out).
     pub fn fragment_bodies(&mut self) -> Result<Vec<Fragmentation>, SolveError> {
         self.not_shared("making bodies of fragments by one rank")?;
         self.fragment_bodies_on(&mut Alone)
