@@ -12,13 +12,14 @@ use crate::command::{apt_get, cargo, passed, runs};
 const PACKAGE: &str = "crates/femdem-mpi";
 
 /// The scenes, in the package: of rigid bodies, of deformable ones among rigid ones that are relaxed, of walls and a cell that follow
-/// stresses, of bodies that come and go, and of bonded ones.
+/// stresses, of bodies that come and go, of bonded ones, and of some that break.
 const SCENE: &str = "scenes/pile.toml";
 const SOFT_SCENE: &str = "scenes/soft.toml";
 const PRESS: &str = "scenes/press.toml";
 const CELL: &str = "scenes/cell.toml";
 const FLOW: &str = "scenes/flow.toml";
 const BONDED: &str = "scenes/bonded.toml";
+const CRACKED: &str = "scenes/crack.toml";
 
 /// What is needed, as a program and as the packages of Debian that have it.
 const TOOLS: [(&str, &[&str]); 2] = [
@@ -36,6 +37,7 @@ const OTHER_RUNS: [[usize; 2]; 2] = [[2, 1], [3, 1]];
 /// Steps after which one run is stopped, to go on with another number of ranks.
 const STOP: &str = "600";
 const SOFT_STOP: &str = "200";
+const CRACKED_STOP: &str = "250";
 
 /// Options of the pack, which is relaxed on the way and at its end.
 const PACK: [&str; 8] = [
@@ -113,6 +115,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
         & runs(CELL, &OTHER_RUNS, STOP, &place.join("cell"))?
         & runs(FLOW, &OTHER_RUNS, STOP, &place.join("flow"))?
         & runs(BONDED, &OTHER_RUNS, STOP, &place.join("bonded"))?
+        & runs(CRACKED, &SOFT_RUNS, CRACKED_STOP, &place.join("cracked"))?
         & packs_are_same(&programs, &place)?)
 }
 

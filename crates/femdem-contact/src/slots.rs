@@ -40,6 +40,18 @@ impl Slots {
         (self.count - 1, true)
     }
 
+    /// Gives out this number, if it is not in use and was given out before, or is the next new one; the second is as of
+    /// [`take`](Self::take).
+    pub fn take_this(&mut self, slot: u32) -> Option<(u32, bool)> {
+        let is_new = slot == self.count;
+        if is_new {
+            self.count += 1;
+        } else if !self.free.remove(&slot) {
+            return None;
+        }
+        Some((slot, is_new))
+    }
+
     /// Takes a number back; returns whether it was in use.
     pub fn give_back(&mut self, slot: u32) -> bool {
         self.holds(slot) && self.free.insert(slot)
@@ -89,5 +101,9 @@ mod tests {
             [slots.take(), slots.take(), slots.take()],
             [(0, false), (2, false), (4, true)]
         );
+        assert!(slots.give_back(1) && slots.give_back(3));
+        let taken = [3, 3, 6, 5].map(|slot| slots.take_this(slot));
+        assert_eq!(taken, [Some((3, false)), None, None, Some((5, true))]);
+        assert_eq!(slots.take(), (1, false));
     }
 }

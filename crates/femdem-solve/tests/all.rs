@@ -11,6 +11,7 @@ mod by_hand;
 mod cell_ranks;
 mod changes;
 mod common;
+mod crack_ranks;
 mod deformable_world;
 mod energy;
 mod folding;

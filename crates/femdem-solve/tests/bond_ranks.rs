@@ -5,11 +5,16 @@
 use crate::bonds::LAW;
 use crate::common::ranks::Threads;
 use crate::ranks::comes_and_goes_alike;
+use crate::soft_ranks::rubber_cube;
 use femdem_contact::bond::{BondLaw, BondSection};
 use femdem_contact::{BodyId, ContactParameters, Wall};
+use femdem_fem::fracture::Strength;
 use femdem_mesh::catalogue::CatalogueShape;
 use femdem_mesh::{Pose, Vector3};
-use femdem_solve::{Alone, BodySpec, Drive, Halo, World, WorldParameters};
+use femdem_solve::{
+    Alone, BodySpec, ContactStiffness, DeformableSpec, Drive, Fracture, Halo, World,
+    WorldParameters,
+};
 use std::collections::BTreeSet;
 
 /// Edge of a block, m.
@@ -17,6 +22,9 @@ const EDGE: f64 = 0.05;
 
 /// Along a row, and rows above each other.
 const COUNT: [u32; 2] = [10, 3];
+
+/// Blocks of a row on which a cube falls.
+const BLOCKS: usize = 8;
 
 const MORTAR: BondLaw = BondLaw {
     stiffness: 1e9,
@@ -165,6 +173,88 @@ fn bonded_bodies_may_leave() {
     comes_and_goes_alike(&world, gone, ball);
 }
 
+/// A row of bonded blocks that lies, and a rubber cube above one of them, which breaks by a fracture if it has one.
+fn row_below_a_cube(fracture: Option<Fracture>) -> World {
+    let mut parameters = WorldParameters::default();
+    parameters.sleeping.window = 20;
+    parameters.sleeping.tolerance = 0.05;
+    parameters.contact.penalty = 1e7;
+    parameters.contact.damping_ratio = 0.5;
+    let mut world = World::new(parameters).unwrap();
+    let floor = Wall::half_space("floor", Vector3::z(), 0.0).unwrap();
+    world.add_wall(floor, Drive::Fixed).unwrap();
+    let cube = "P5".parse::<CatalogueShape>().unwrap();
+    let cube = cube.polyhedron(EDGE * 3_f64.sqrt()).unwrap();
+    let shape = world.add_shape("block", &cube).unwrap();
+    let model = world.add_model("rubber", rubber_cube(EDGE), ContactStiffness::default());
+    let place = |x: f64, z: f64| Pose::translation(x * EDGE, 0.5 * EDGE, z * EDGE);
+    let mut row: Vec<BodyId> = Vec::new();
+    for k in 0..BLOCKS {
+        let spec = BodySpec::at_rest(shape, 2500.0, place(k as f64 + 0.5, 0.5));
+        row.push(world.add_body(spec).unwrap());
+    }
+    for pair in row.windows(2) {
+        let bodies = [pair[0], pair[1]];
+        let section = world.section_between(bodies, 1e-6, 1.0).unwrap();
+        world.add_bond(bodies, &section.unwrap(), MORTAR).unwrap();
+    }
+    let spec = DeformableSpec::at_rest(model.unwrap(), place(1.7, 2.5));
+    world
+        .add_deformable(DeformableSpec { fracture, ..spec })
+        .unwrap();
+    world
+}
+
+/// When bodies fall asleep, wake or fall apart: the step, how many blocks sleep then, and all bodies.
+fn struck(world: &mut World, halo: &mut dyn Halo) -> Vec<(u64, usize, usize)> {
+    let mut changes = Vec::new();
+    let mut before = (0, world.count_in_whole());
+    for _ in 0..1000 {
+        world.step_on(halo).unwrap();
+        world.fragment_bodies_on(halo).unwrap();
+        let rest = |world: &World, id| id < BLOCKS as BodyId && world.is_asleep(id);
+        let asleep = world.of_whole(halo, rest).unwrap();
+        let asleep = asleep.into_iter().filter(|sleeps| *sleeps).count();
+        let now = (asleep, world.count_in_whole());
+        if now != before {
+            changes.push((world.steps(), now.0, now.1));
+        }
+        before = now;
+    }
+    changes
+}
+
+/// All blocks wake in the step in which something deformable touches one, and move in that step.
+#[test]
+fn bonded_bodies_wake_together_where_a_deformable_one_strikes() {
+    let fracture = Fracture {
+        coarse: true,
+        every: 3,
+        ..Fracture::new(Strength::new(4e3, 1e4, 0.6).unwrap(), [0.02, 0.1])
+    };
+    for fracture in [None, Some(fracture)] {
+        let world = row_below_a_cube(fracture);
+        let mut alone = world.clone();
+        let expected = struck(&mut alone, &mut Alone);
+        let woke = |pair: &[(u64, usize, usize)]| pair[0].1 == BLOCKS && pair[1].1 == 0;
+        assert!(expected.windows(2).any(woke), "{expected:?}");
+        let pieces = alone.deformable_count();
+        assert_eq!(pieces > 1, fracture.is_some(), "{pieces}");
+        for size in [1, 2, 3, 4] {
+            let parts = Threads::each(size, |halo| {
+                let mut world = world.clone();
+                world.share_out(halo).unwrap();
+                assert_eq!(struck(&mut world, halo), expected, "{size} ranks");
+                world.gather(halo).unwrap()
+            });
+            let whole = parts.into_iter().next().unwrap().unwrap();
+            let [found, expected] =
+                [&whole, &alone].map(|world| world.checksum_of_motion().unwrap());
+            assert_eq!(found, expected, "{size} ranks");
+        }
+    }
+}
+
 #[test]
 fn bonded_bodies_that_are_far_apart_are_not_shared() {
     let mut world = masonry();
@@ -173,10 +263,17 @@ fn bonded_bodies_that_are_far_apart_are_not_shared() {
     let middle = Vector3::new(0.4, 0.08, 0.3);
     let section = BondSection::disc(middle, Vector3::x(), 0.02).unwrap();
     world.add_bond(bodies, &section, MORTAR).unwrap();
-    let refused = Threads::each(3, |halo| {
-        let shared = world.clone().share_out(halo);
-        shared.err().map(|error| error.to_string())
-    });
-    let refused = refused.into_iter().flatten().next().unwrap();
-    assert!(refused.contains("farther apart"), "{refused}");
+    // Wherever the borders are, and before anything changes.
+    for size in [1, 3] {
+        let refused = Threads::each(size, |halo| {
+            let mut world = world.clone();
+            let before = world.state_hash().unwrap();
+            let refused = world.share_out(halo).unwrap_err().to_string();
+            assert_eq!(world.state_hash().unwrap(), before);
+            refused
+        });
+        for refused in refused {
+            assert!(refused.contains("farther apart"), "{refused}");
+        }
+    }
 }

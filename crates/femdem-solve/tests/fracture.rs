@@ -17,7 +17,7 @@ const YOUNG: f64 = 20e9;
 const TENSILE: f64 = 5e6;
 
 /// Rock: f = 5 MPa, c = 20 MPa, tan φ = 0.8.
-fn rock(energies: [f64; 2]) -> Fracture {
+pub fn rock(energies: [f64; 2]) -> Fracture {
     Fracture::new(
         Strength::new(TENSILE, 20e6, 0.8_f64.atan()).unwrap(),
         energies,
@@ -25,7 +25,7 @@ fn rock(energies: [f64; 2]) -> Fracture {
 }
 
 /// A block whose points are moved by up to a fifth of an edge, on the skin along it.
-fn shaken(cells: [u32; 3], size: &Vector3) -> TetMesh {
+pub fn shaken(cells: [u32; 3], size: &Vector3) -> TetMesh {
     let block = TetMesh::block(cells, size).unwrap();
     let edge = size.component_div(&Vector3::from(cells.map(f64::from)));
     let noise = |i: usize, k: f64| (12.9898 * i as f64 + 78.233 * k).sin();
@@ -43,7 +43,7 @@ fn shaken(cells: [u32; 3], size: &Vector3) -> TetMesh {
     TetMesh::new(points, block.tets().to_vec()).unwrap()
 }
 
-fn model(mesh: &TetMesh) -> DeformableModel {
+pub fn model(mesh: &TetMesh) -> DeformableModel {
     let region = MaterialRegion {
         material: NeoHookean::new(YOUNG, 0.2).unwrap().into(),
         density: 2500.0,

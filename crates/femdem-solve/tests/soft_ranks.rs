@@ -27,11 +27,25 @@ const SHAKE: Drive = Drive::Shake {
     periods: 1,
 };
 
+/// A cube of rubber about its centre.
+pub fn rubber_cube(edge: f64) -> DeformableModel {
+    cube_of(
+        edge,
+        1,
+        Element::T4,
+        NeoHookean::new(1e6, 0.3).unwrap().into(),
+    )
+}
+
 /// A cube of 5 tetrahedra in each cell, about its centre.
 fn cube(cells: u32, element: Element, material: AnyMaterial) -> DeformableModel {
-    let mesh = TetMesh::block([cells; 3], &Vector3::repeat(EDGE)).unwrap();
+    cube_of(EDGE, cells, element, material)
+}
+
+fn cube_of(edge: f64, cells: u32, element: Element, material: AnyMaterial) -> DeformableModel {
+    let mesh = TetMesh::block([cells; 3], &Vector3::repeat(edge)).unwrap();
     let points = mesh.points().iter();
-    let points = points.map(|p| p - Vector3::repeat(0.5 * EDGE));
+    let points = points.map(|p| p - Vector3::repeat(0.5 * edge));
     let mesh = TetMesh::new(points.collect(), mesh.tets().to_vec()).unwrap();
     let density = 1000.0;
     let region = MaterialRegion { material, density };

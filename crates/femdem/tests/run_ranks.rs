@@ -333,9 +333,169 @@ fn what_flows_over_ranks_is_what_flows_alone() {
     assert_eq!(last.simulation().members, *members);
 }
 
+/// Blocks that break on a floor and on stones, under loads of which pieces bear their part, past a gauge.
+const BREAKING: &str = r#"
+duration = 6e-4
+every = 1e-4
+history-every = 2e-5
+
+[contact]
+friction = 0.4
+damping = 0.2
+
+[material.glass]
+density = 2500
+law = "neo-hookean"
+young = 2e9
+poisson = 0.2
+[material.glass.fracture]
+tensile = 5e6
+cohesion = 2e7
+friction-angle = 35
+energy = [5, 25]
+coarse = true
+[material.stone]
+density = 2500
+
+[[wall]]
+name = "trough"
+material = "stone"
+box = { lower = [0, 0, 0], upper = [0.2, 0.05, 0.2], open = true }
+
+[[body]]
+name = "block"
+block = [2, 2, 2]
+sides = [0.02, 0.02, 0.02]
+material = "glass"
+behaviour = "breakable"
+position = [0.03, 0.025, 0.02]
+velocity = [0, 0, -40]
+copies = { count = [4, 1, 1], spacing = [0.03, 0.02, 0.02], seed = 1 }
+[[body]]
+name = "stone"
+shape = "A10"
+diameter = 0.02
+material = "stone"
+behaviour = "rigid"
+position = [0.03, 0.025, 0.05]
+velocity = [0, 0, -40]
+copies = { count = [3, 1, 1], spacing = [0.035, 0.02, 0.02], seed = 3 }
+
+[[load]]
+bodies = ["block 1", "block 3"]
+force = [200, 0, 0]
+rise = 4e-4
+
+[[gauge]]
+name = "line"
+plane = { normal = [0, 0, 1], offset = 0.012 }
+"#;
+
+/// Also on from a checkpoint amid the cracks, on another number of ranks.
+#[test]
+fn what_breaks_over_ranks_is_what_breaks_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = Run::new(Scenario::from_toml(BREAKING).unwrap()).unwrap();
+    run.advance(folder.path(), u64::MAX).unwrap();
+    let expected = result(&run, folder.path());
+    let members = &run.simulation().members;
+    let pieces = members.iter().filter(|member| member.of.is_some()).count();
+    assert!(pieces > 8, "{pieces}");
+    let unloaded = BREAKING.replace("force = [200", "force = [0");
+    assert!(alone(&unloaded) != expected);
+    for size in [2, 3] {
+        assert!(shared(BREAKING, size) == expected, "{size} ranks");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let half = run.simulation().world.steps() * 4 / 5;
+    let runs = Threads::each(3, |halo| on_rank(BREAKING, path, half, halo));
+    let mut first = runs.into_iter().flatten().next().unwrap();
+    let so_far = first.simulation().members.len();
+    assert!(so_far > 7 && so_far < members.len(), "{so_far}");
+    first.flush(path).unwrap();
+    first.save(path, &femdem::Usage::default()).unwrap();
+    let runs = Threads::each(2, |halo| {
+        let read = || Run::read(path).unwrap().0;
+        finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
+    });
+    let last = runs.into_iter().flatten().next().unwrap();
+    assert!(result(&last, path) == expected);
+    assert_eq!(last.simulation().members, *members);
+}
+
+/// A bonded row under a lid that keeps a pressure, between a driven block to which it is bonded and one that is pulled.
+const BOND_ROW: &str = r#"
+duration = 0.06
+every = 0.01
+gravity = [0, 0, -9]
+
+[contact]
+friction = 0.4
+damping = 0.3
+penalty = 1e7
+
+[material.brick]
+density = 2500
+
+[[wall]]
+name = "press"
+box = { lower = [0, 0, 0], upper = [0.6, 0.05, 0.052] }
+control = { z = { stress = 2e3, speed = 0.3, sides = "upper" } }
+
+[[body]]
+name = "end"
+shape = "cube"
+diameter = 0.08660254037844386
+material = "brick"
+position = [0.035, 0.025, 0.025]
+motion = { shake = { stroke = [4e-4, 0, 0], frequency = 60, start = 0.02, periods = 2 } }
+[[body]]
+name = "block"
+shape = "cube"
+diameter = 0.08660254037844386
+material = "brick"
+position = [0.085, 0.025, 0.025]
+copies = { count = [9, 1, 1], spacing = [0.05, 0.05, 0.05] }
+
+[[load]]
+bodies = ["block 9"]
+force = [300, 0, 0]
+rise = 0.05
+
+[[bond]]
+between = ["end", "block"]
+gap = 1e-6
+tensile = 5e4
+cohesion = 1e5
+energy = [4, 16]
+stiffness = 1e9
+damping = 0.2
+[[bond]]
+between = ["block", "block"]
+gap = 1e-6
+tensile = 5e4
+cohesion = 1e5
+energy = [4, 16]
+stiffness = 1e9
+damping = 0.2
+"#;
+
+#[test]
+fn bonds_with_servos_drives_and_loads_over_ranks_are_those_alone() {
+    let expected = alone(BOND_ROW);
+    for part in ["[300", "[4e-4", "2e3, speed"] {
+        let other = BOND_ROW.replace(part, &format!("{}1{}", &part[..1], &part[1..]));
+        assert!(other != BOND_ROW && alone(&other) != expected, "{part}");
+    }
+    for size in [1, 2, 3, 4] {
+        assert!(shared(BOND_ROW, size) == expected, "{size} ranks");
+    }
+}
+
 #[test]
 fn what_ranks_cannot_do_is_said() {
-    let breakable = r#"[material.plaster]
+    let adaptive = r#"[material.plaster]
 density = 1500
 law = "neo-hookean"
 young = 1e9
@@ -350,13 +510,13 @@ name = "block"
 block = [1, 1, 1]
 sides = [0.05, 0.05, 0.05]
 material = "plaster"
-behaviour = "breakable"
+behaviour = "adaptive"
 position = [0.1, 0.075, 0.25]"#;
-    let text = format!("{STONES}\n{breakable}");
+    let text = format!("{STONES}\n{adaptive}");
     let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
     let refused = Part::share_out(Some(&mut run), &mut Alone).err().unwrap();
     let refused = refused.to_string();
-    assert!(refused.contains("breakable"), "{refused}");
+    assert!(refused.contains("near their strength"), "{refused}");
     // The run stays whole, and the others are told.
     let errors = Threads::each(2, |halo| {
         let new = || Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
@@ -366,7 +526,9 @@ position = [0.1, 0.075, 0.25]"#;
         assert!(world.is_none_or(|world| world.body_count() == 29));
         refused.to_string()
     });
-    assert!(errors[0].contains("breakable") && errors[1].contains("the first rank gives"));
+    assert!(
+        errors[0].contains("near their strength") && errors[1].contains("the first rank gives")
+    );
     let none = Part::share_out(None, &mut Alone).err().unwrap().to_string();
     assert!(none.contains("the first rank gives"), "{none}");
 }

@@ -185,17 +185,27 @@ impl ContactBatch {
     pub fn add_body(&mut self, shape: u32) -> Result<BodyId, ContactError> {
         let kind = self.known_shape(shape)?.kind();
         let body = self.take_number(shape, kind);
+        self.begin_rigid(body);
+        Ok(body)
+    }
+
+    /// Begins with a rigid body, awake, under a number that it has got.
+    fn begin_rigid(&mut self, body: BodyId) {
         self.awake[body as usize] = true;
         self.awake_changed = true;
         if let Some(part) = &mut self.deformable {
             part.add_rigid(body);
         }
-        Ok(body)
     }
 
     /// A number for a body: the lowest that is free. It is not awake as a rigid body.
     fn take_number(&mut self, shape: u32, kind: Kind) -> BodyId {
-        let (body, is_new) = self.body_slots.take();
+        let slot = self.body_slots.take();
+        self.begin_number(slot, shape, kind)
+    }
+
+    /// Makes place for a body under a number that has been given out, and says which.
+    fn begin_number(&mut self, (body, is_new): (u32, bool), shape: u32, kind: Kind) -> BodyId {
         let i = body as usize;
         if is_new {
             self.body_shapes.push(shape);

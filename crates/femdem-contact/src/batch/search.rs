@@ -143,10 +143,13 @@ impl ContactBatch {
         self.search_walls(i, motion, walls, skin);
     }
 
-    /// How far a wall may travel before the bodies near it are looked up again, m.
+    /// How far a wall may travel before the bodies near it are looked up again, m: a function of the shapes that all batches of a
+    /// whole have.
     fn wall_skin(&self) -> f64 {
         let rigid = self.shapes.iter().map(|shape| shape.radius());
-        let deformable = self.deformable_shapes().iter().map(|shape| shape.radius());
+        let whole = self.deformable_shapes().iter();
+        let whole = whole.filter(|shape| !shape.is_cracked());
+        let deformable = whole.map(|shape| shape.radius());
         let largest = rigid.chain(deformable).fold(0.0, f64::max);
         Broadphase::half_skin(largest)
     }

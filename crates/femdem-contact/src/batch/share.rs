@@ -38,6 +38,13 @@ impl BodyRecord {
         self.awake
     }
 
+    /// Gives a deformable body a shape of another index.
+    pub fn set_deformable_shape(&mut self, shape: u32) {
+        if let Some(soft) = &mut self.soft {
+            soft.shape = shape;
+        }
+    }
+
     /// The distance from the mean of the nodes of a deformable body within which they stay until it is next looked up, m.
     pub fn reach(&self) -> Option<f64> {
         Some(self.soft.as_deref()?.reach)
@@ -175,6 +182,35 @@ impl ContactBatch {
         Ok((bodies, pairs))
     }
 
+    /// Forgets shapes of deformable bodies, of which there are none, but for those of these indices: they get others, in the same order.
+    ///
+    /// # Errors
+    /// [`ContactError::Parameter`] if there are deformable bodies.
+    pub fn keep_deformable_shapes(
+        &mut self,
+        keeps: impl Fn(u32) -> bool,
+    ) -> Result<(), ContactError> {
+        let count = self.deformable_count();
+        check(
+            "number of deformable bodies",
+            count as f64,
+            count == 0,
+            "0 where shapes are forgotten",
+        )?;
+        if let Some(part) = &mut self.deformable {
+            part.keep_shapes(keeps);
+        }
+        Ok(())
+    }
+
+    /// Notes that a body belongs to another batch: a part of a body of that one.
+    pub fn make_guest(&mut self, body: BodyId) {
+        self.pairs.set_guest(body as usize);
+        if let Some(part) = &mut self.deformable {
+            part.make_guest(body);
+        }
+    }
+
     /// Whether friction of deformable bodies [begins](Self::begin_friction) in the next update.
     pub fn begins_friction(&self) -> bool {
         let part = self.deformable.as_deref();
@@ -274,14 +310,27 @@ impl ContactBatch {
         Ok(())
     }
 
-    /// Adds a body of another batch that comes near those of this one, as [`add_body`](Self::add_body) does there.
+    /// Adds a body as [`add_body`](Self::add_body) does, under a number that is free or the next new one; that of another batch, which
+    /// comes near those of this one, as a guest.
     ///
     /// # Errors
-    /// As [`add_body`](Self::add_body).
-    pub fn add_guest(&mut self, shape: u32) -> Result<BodyId, ContactError> {
-        let body = self.add_body(shape)?;
-        self.pairs.set_guest(body as usize);
-        Ok(body)
+    /// As [`add_body`](Self::add_body), and [`ContactError::NoSuch`] for another number.
+    pub fn add_body_as(
+        &mut self,
+        body: BodyId,
+        shape: u32,
+        is_guest: bool,
+    ) -> Result<(), ContactError> {
+        let kind = self.known_shape(shape)?.kind();
+        let total = self.body_slots.total();
+        let slot = self.body_slots.take_this(body);
+        let slot = slot.ok_or_else(|| no_such("free number of a body", body as usize, total))?;
+        self.begin_number(slot, shape, kind);
+        self.begin_rigid(body);
+        if is_guest {
+            self.pairs.set_guest(body as usize);
+        }
+        Ok(())
     }
 
     /// The loads on walls anew, from the contacts of awake bodies that are no guests, in the order of an update.

@@ -58,6 +58,8 @@ pub struct DeformableShape {
     edge: f64,
     /// Whether cracks have broken it: then it does not move as a whole.
     in_pieces: bool,
+    /// Whether it is that of a body that has cracked.
+    is_cracked: bool,
 }
 
 impl DeformableShape {
@@ -117,6 +119,7 @@ impl DeformableShape {
         )?;
         Ok(Self {
             edge,
+            is_cracked: true,
             ..Self::build(mesh, Field::Body)?
         })
     }
@@ -186,6 +189,7 @@ impl DeformableShape {
             inradius,
             radius: radius(mesh),
             in_pieces: mesh.pieces() > 1,
+            is_cracked: false,
         })
     }
 
@@ -218,6 +222,11 @@ impl DeformableShape {
     /// Whether cracks have broken it: then it does not move as a whole.
     pub(crate) fn is_in_pieces(&self) -> bool {
         self.in_pieces
+    }
+
+    /// Whether it is that of a body that has [cracked](Self::cracked), which no other body has.
+    pub(crate) fn is_cracked(&self) -> bool {
+        self.is_cracked
     }
 
     /// Triangles of the skin, counter-clockwise seen from outside, as nodes.

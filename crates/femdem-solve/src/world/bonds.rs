@@ -137,7 +137,9 @@ impl World {
         if parted {
             // Guests have the velocities of the half step.
             self.meet_guests(halo)?;
+            let awake = self.awake.len();
             self.evaluate(0.0)?;
+            self.tell_woken(awake, halo)?;
             for contact in self.batch.booked_contacts() {
                 let Partner::Body(a) = contact.a else {
                     continue;
@@ -151,6 +153,20 @@ impl World {
         for more in more.into_values() {
             self.flows.bonds.lent += more.max(0.0);
             self.flows.bonds.released += (-more).max(0.0);
+        }
+        Ok(())
+    }
+
+    /// Wakes what is bonded over borders to bodies that deformable ones have woken in an evaluation before which so many were `awake`: in
+    /// one world they wake at once, and move in the same step.
+    pub(super) fn tell_woken(
+        &mut self,
+        awake: usize,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
+        let may_wake = self.shares_bonds() && self.deformables.is_some();
+        if may_wake && is_any(self.awake.len() > awake, halo)? {
+            return self.tell_rest(halo);
         }
         Ok(())
     }

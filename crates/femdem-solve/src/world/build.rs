@@ -209,6 +209,7 @@ impl World {
         let contact = &self.batch.shapes()[spec.shape as usize];
         let mut body = Body::new(&spec, shape, contact.radius())?;
         let whose = self.enlist(&body)?;
+        let is_own = matches!(whose, Whose::Only | Whose::Own(_));
         let contact = &self.batch.shapes()[spec.shape as usize];
         let (shape, thinner) = (spec.shape, self.step_control.meet(contact));
         if let Some(drive) = drive {
@@ -219,7 +220,7 @@ impl World {
             let laws = self.batch.laws().of(spec.material);
             self.step_control.see(contact, &body, laws);
             self.step_control.launch(&body);
-            if whose == Whose::Own {
+            if is_own {
                 self.initial_energy += body.energy(&self.parameters.gravity);
             }
         }
@@ -228,8 +229,11 @@ impl World {
             self.step_control.lose();
         }
         let id = match whose {
-            Whose::Own => self.batch.add_body(shape)?,
-            Whose::Guest => self.batch.add_guest(shape)?,
+            Whose::Only => self.batch.add_body(shape)?,
+            Whose::Own(id) | Whose::Guest(id) => {
+                self.batch.add_body_as(id, shape, !is_own)?;
+                id
+            }
             Whose::Other(number) => return Ok(number),
         };
         self.batch.set_material(id, spec.material)?;
@@ -238,7 +242,7 @@ impl World {
         }
         place(&mut self.motions, id, body.motion());
         place(&mut self.bodies, id, body);
-        if whose == Whose::Own {
+        if is_own {
             let at = self.awake.partition_point(|&other| other < id);
             self.awake.insert(at, id);
         }

@@ -80,11 +80,7 @@ impl World {
         if let Some(rule) = self.parameters.time_step.implicit {
             return self.step_implicit(&rule, host, halo);
         }
-        if !self.loaded {
-            self.meet_guests(halo)?;
-            self.evaluate_if_due()?;
-            self.tell_rest(halo)?;
-        }
+        self.evaluate_on(halo)?;
         let mut dt = self.choose_step(halo)?;
         self.ask(self.time + dt, host)?;
         if self.wake_for_drives(dt, halo)? {
@@ -94,11 +90,13 @@ impl World {
         self.check_step(dt)?;
         self.begin_step(dt, halo)?;
         self.meet_guests(halo)?;
+        let awake = self.awake.len();
         self.touch(dt)?;
+        self.tell_woken(awake, halo)?;
         self.end_step(dt, halo)?;
         self.end_bonds(halo)?;
         self.update_active_set(halo)?;
-        self.crack_deformables()?;
+        self.crack_deformables(halo)?;
         self.retire_cracks();
         self.adapt_bodies()
     }
@@ -268,6 +266,16 @@ impl World {
     pub(super) fn evaluate(&mut self, dt: f64) -> Result<(), SolveError> {
         self.strain_deformables(dt)?;
         self.touch(dt)
+    }
+
+    /// Evaluates the loads at the present positions, if they are out of date: on all ranks or on none.
+    pub(super) fn evaluate_on(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
+        if self.loaded {
+            return Ok(());
+        }
+        self.meet_guests(halo)?;
+        self.evaluate_if_due()?;
+        self.tell_rest(halo)
     }
 
     /// Contacts at the present positions. `dt` is the time since the last call.

@@ -20,4 +20,16 @@ pub struct Member {
 impl Member {
     /// What no body has for its index in the world.
     pub const GONE: BodyId = BodyId::MAX;
+
+    /// A fragment, of index `id` in the world, of the member of number `whole`.
+    pub(super) fn fragment(members: &[Self], whole: usize, id: BodyId) -> Self {
+        let first = members[whole].of.unwrap_or(whole as u32);
+        let Self { name, placed, .. } = &members[first as usize];
+        Self {
+            name: format!("{name} fragment {}", members.len()),
+            id,
+            placed: *placed,
+            of: Some(first),
+        }
+    }
 }

@@ -55,6 +55,7 @@ mod flow;
 mod focus;
 mod fracture;
 mod frame;
+mod gather;
 mod geometry;
 mod history;
 mod hopper;

@@ -25,6 +25,20 @@ impl DeformablePart {
         Some(taken)
     }
 
+    /// Forgets shapes, which no body has, but for those of these indices.
+    pub fn keep_shapes(&mut self, keeps: impl Fn(u32) -> bool) {
+        let all = std::mem::take(&mut self.shapes);
+        let kept = (0..).zip(all).filter(|(index, _)| keeps(*index));
+        self.shapes = kept.map(|(_, shape)| shape).collect();
+    }
+
+    /// Notes that a deformable body belongs to another batch.
+    pub fn make_guest(&mut self, body: BodyId) {
+        if let Some(body) = self.bodies.get_mut(body as usize) {
+            body.is_guest = true;
+        }
+    }
+
     /// Takes all pairs out.
     pub fn take_pairs(&mut self) -> Vec<SoftPair> {
         self.pairs.take()

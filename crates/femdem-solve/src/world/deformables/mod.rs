@@ -22,6 +22,7 @@ use femdem_fem::{Boundary, DeformableModel, FrequencyBound, InternalState, Works
 use femdem_mesh::{Pose, Vector3};
 use fracture::Breakable;
 pub(crate) use fracture::CrackFlows;
+pub(super) use fracture::{Fragment, GuestFragment};
 use nodal_bound::NodalBound;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,7 @@ pub use adaptive::{Adaptive, Fidelity, FidelityChange};
 pub(super) use add::{centroid, inertia};
 pub use fracture::{CrackFacet, Cracks, Fragmentation};
 pub use query::Deformable;
+pub(super) use ranks::Soft;
 use rest::Rest;
 
 /// Index of a model of deformable bodies, by order of addition.

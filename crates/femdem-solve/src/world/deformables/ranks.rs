@@ -1,15 +1,47 @@
 //! Deformable bodies in a world that is shared out: see [`ranks`](crate::world::ranks).
 
-use super::{Deformables, Model, State};
+use super::{Deformables, Model, ModelId, State};
+use crate::error::SolveError;
 use crate::world::World;
-use femdem_contact::BodyId;
+use femdem_contact::deform::DeformableShape;
+use femdem_contact::{BodyId, BodyRecord, ContactBatch};
 use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What a tetrahedron costs in a step, ns: the others of the same model cost as much, and contacts are few beside them.
 const COST: u64 = 150;
 
 /// Numbers of a node: position and velocity.
 const NUMBERS: usize = 6;
+
+/// About how many numbers a model has for each tetrahedron.
+const NUMBERS_OF_TET: usize = 32;
+
+/// A deformable body as data that travel.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(in crate::world) struct Soft {
+    pub state: State,
+    /// Of one that has cracked, which nothing else has.
+    own: Option<Box<OwnModel>>,
+}
+
+/// The model of a body alone.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(in crate::world) struct OwnModel {
+    model: Model,
+    /// Made anew where it comes from elsewhere.
+    #[serde(skip)]
+    shape: Option<Arc<DeformableShape>>,
+}
+
+/// What becomes of a model where bodies are taken out.
+pub(in crate::world) enum Kept {
+    /// It stays, under this number.
+    Shared(ModelId),
+    /// It goes with its body.
+    Own(Option<Box<OwnModel>>),
+}
 
 impl World {
     /// The deformable bodies that belong to no other rank, with their models.
@@ -36,10 +68,44 @@ impl Deformables {
         state.filter(|state| !state.is_vacant())
     }
 
-    /// Takes the state of a body out.
-    pub(in crate::world) fn take(&mut self, id: BodyId) -> Option<State> {
+    /// Takes the models out that are of one body each, and says what has become of all, by their numbers. There are no bodies in the
+    /// batch.
+    pub(in crate::world) fn take_models(
+        &mut self,
+        batch: &mut ContactBatch,
+    ) -> Result<Vec<Kept>, SolveError> {
+        let shapes = batch.deformable_shapes().to_vec();
+        let mut kept = Vec::with_capacity(shapes.len());
+        for (model, shape) in std::mem::take(&mut self.models).into_iter().zip(shapes) {
+            if model.edge.is_some() {
+                let shape = Some(shape);
+                kept.push(Kept::Own(Some(Box::new(OwnModel { model, shape }))));
+            } else {
+                kept.push(Kept::Shared(self.models.len() as ModelId));
+                self.models.push(model);
+            }
+        }
+        let stays = |index: u32| matches!(kept.get(index as usize), Some(Kept::Shared(_)));
+        batch.keep_deformable_shapes(stays)?;
+        Ok(kept)
+    }
+
+    /// Takes a body out, whose record is given, after its [model](Self::take_models).
+    pub(in crate::world) fn take(
+        &mut self,
+        id: BodyId,
+        record: &mut BodyRecord,
+        models: &mut [Kept],
+    ) -> Option<Soft> {
         let state = self.nodes_mut(id)?;
-        Some(std::mem::replace(state, State::vacant()))
+        let (number, own) = match models.get_mut(state.model as usize)? {
+            Kept::Shared(number) => (*number, None),
+            Kept::Own(model) => (0, model.take()),
+        };
+        let mut state = std::mem::replace(state, State::vacant());
+        state.model = number;
+        record.set_deformable_shape(number);
+        Some(Soft { state, own })
     }
 
     /// Makes place for so many numbers, without bodies.
@@ -49,13 +115,51 @@ impl Deformables {
         self.bound = None;
     }
 
-    /// Puts the state of a body in.
-    pub(in crate::world) fn give(&mut self, id: BodyId, state: State) {
+    /// Puts a body in, whose record is given, with the model that it alone has.
+    pub(in crate::world) fn give(
+        &mut self,
+        id: BodyId,
+        soft: Soft,
+        record: &mut BodyRecord,
+        batch: &mut ContactBatch,
+    ) -> Result<(), SolveError> {
+        let Soft { mut state, own } = soft;
+        if let Some(own) = own {
+            let OwnModel { model, shape } = *own;
+            let shape = match shape {
+                Some(shape) => shape,
+                None => Arc::new(model.shape()?),
+            };
+            state.model = batch.add_deformable_shape(shape);
+            record.set_deformable_shape(state.model);
+            self.models.push(model);
+        }
         self.bodies[id as usize] = state;
+        Ok(())
+    }
+}
+
+impl Soft {
+    /// How many numbers travel, about.
+    pub(in crate::world) fn weight(&self) -> usize {
+        let own = self.own.as_deref();
+        self.state.count_of_numbers() + own.map_or(0, |own| own.model.weight())
+    }
+
+    /// As a guest has it.
+    pub(in crate::world) fn as_guest(&mut self) -> Self {
+        let state = self.state.as_guest();
+        let own = self.own.clone();
+        Self { state, own }
     }
 }
 
 impl Model {
+    /// About how many numbers it has.
+    fn weight(&self) -> usize {
+        NUMBERS_OF_TET * self.model.mesh().tets().len()
+    }
+
     /// What a body of it costs in a step, ns.
     pub(in crate::world) fn costs(&self) -> u64 {
         COST * self.model.mesh().tets().len() as u64
@@ -67,6 +171,14 @@ impl State {
     pub(in crate::world) fn middle(&self) -> Vector3 {
         let sum: Vector3 = self.positions.iter().sum();
         sum / self.positions.len().max(1) as f64
+    }
+
+    /// As a guest has it: whether it breaks is its owner's business.
+    pub(in crate::world) fn as_guest(&mut self) -> Self {
+        let breakable = self.breakable.take();
+        let guest = self.clone();
+        self.breakable = breakable;
+        guest
     }
 
     /// Largest distance of a node from their mean, m.

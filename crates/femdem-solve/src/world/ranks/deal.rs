@@ -1,5 +1,6 @@
 //! Bodies are given to the ranks in whose boxes they are, and lent to those near them.
 
+use super::bonds::too_far;
 use super::map::in_cell;
 use super::parts::{Parts, bodies_of};
 use super::{Cuts, Link, Map, Share, Until, WAY, Whole, ranks};
@@ -183,7 +184,8 @@ impl World {
         self.keep(cuts, whole, parts, halo)
     }
 
-    /// All bodies in one world on the first rank, as if there were no others; the world here stays as it is.
+    /// All bodies in one world on the first rank, as if there were no others; the world here stays as it is. The models that bodies
+    /// which have cracked have alone are numbered by their bodies there.
     ///
     /// # Errors
     /// [`SolveError::Ranks`] if the world was not shared out over these ranks, and what `halo` reports.
@@ -218,8 +220,8 @@ impl World {
         Ok(Some(whole))
     }
 
-    /// Where the own bodies are, and what they cost.
-    fn costs(&self) -> Vec<(Vector3, u64)> {
+    /// Where the own bodies are, and what they cost. A bond counts as a pair.
+    pub(super) fn costs(&self) -> Vec<(Vector3, u64)> {
         let counters = &self.counters;
         let (time, pairs) = self
             .share
@@ -227,11 +229,11 @@ impl World {
             .map_or_else(Default::default, |s| s.spent);
         let spent = counters.contact_time.saturating_sub(time).as_nanos() as u64;
         let of_pair = (spent / (counters.pair_evaluations - pairs).max(1)).clamp(1, 1 << 20);
-        let cell = self.cell();
+        let (cell, bonds) = (self.cell(), self.bonds_of_bodies());
         let cost = |(i, body): (usize, &Body)| {
             let awake = self.batch.is_awake(i as BodyId);
             let pairs = if awake {
-                self.batch.candidates_of(i as BodyId) as u64
+                self.batch.candidates_of(i as BodyId) as u64 + bonds[i]
             } else {
                 0
             };
@@ -292,15 +294,16 @@ impl World {
         let reach = self.reach(largest);
         let map = self.map(cuts);
         let mut bags: BTreeMap<usize, Parts> = BTreeMap::new();
-        for member in parts.members {
-            let mut near = map.near(&member.place(), reach(member.radius()));
-            let last = near.pop();
-            for rank in near {
-                bags.entry(rank).or_default().members.push(member.clone());
+        for mut member in parts.members {
+            let near = map.near(&member.place(), reach(member.radius()));
+            let owner = map.owner(&member.place());
+            for rank in near.into_iter().filter(|rank| *rank != owner) {
+                bags.entry(rank)
+                    .or_default()
+                    .members
+                    .push(member.as_guest());
             }
-            if let Some(rank) = last {
-                bags.entry(rank).or_default().members.push(member);
-            }
+            bags.entry(owner).or_default().members.push(member);
         }
         for pair in parts.pairs {
             let mut to: Vec<usize> = Vec::with_capacity(2);
@@ -345,7 +348,7 @@ impl World {
         let mut links: BTreeMap<usize, (Vec<BodyId>, Vec<BodyId>)> = BTreeMap::new();
         let (mut kept, mut until) = (Vec::new(), Vec::new());
         let map = self.map(&cuts);
-        for member in parts.members {
+        for mut member in parts.members {
             let (x, radius) = (member.place(), member.radius());
             let (owner, near) = (map.owner(&x), map.near(&x, reach(radius)));
             let id = kept.len() as BodyId;
@@ -355,6 +358,7 @@ impl World {
                 }
             } else if near.contains(&rank) {
                 links.entry(owner).or_default().1.push(id);
+                member.forget_fracture();
             } else {
                 continue;
             }
@@ -374,11 +378,7 @@ impl World {
         for bond in pairs.iter().filter_map(PairRecord::bond) {
             let [a, b] = bond.bodies();
             if is_here(a).is_err() || is_here(b).is_err() {
-                return Err(SolveError::Ranks {
-                    why: format!(
-                        "the bonded bodies {a} and {b} are farther apart than bodies that meet: run it on one rank"
-                    ),
-                });
+                return Err(too_far([a, b]));
             }
         }
         let numbers = self.put_together(kept, pairs, parts.newcomers, rank)?;

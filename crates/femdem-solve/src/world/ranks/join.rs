@@ -14,18 +14,21 @@ use serde::de::DeserializeOwned;
 /// Whose a new body is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::world) enum Whose {
-    Own,
-    /// That of another rank, and near.
-    Guest,
+    /// In a world that has all bodies.
+    Only,
+    /// With its number here.
+    Own(BodyId),
+    /// That of another rank, and near, with its number here.
+    Guest(BodyId),
     /// That of another rank, with its number in the whole.
     Other(BodyId),
 }
 
 impl World {
-    /// Gives a new body the lowest number that is free in the whole, and that place here if it is kept, which the batch gives next.
+    /// Gives a new body the lowest number that is free in the whole, and a place here if it is kept: all free numbers get one then.
     pub(in crate::world) fn enlist(&mut self, body: &Body) -> Result<Whose, SolveError> {
         let Some(share) = self.share.as_deref() else {
-            return Ok(Whose::Own);
+            return Ok(Whose::Only);
         };
         let (rank, total) = (share.rank, share.whole.total);
         let free = share.whole.vacant.first().copied();
@@ -41,11 +44,12 @@ impl World {
         );
         let is_kept = near.contains(&rank);
         let away = share.whole.edges.away(self.cell(), &body.position);
-        if free.is_some() && is_kept != share.numbers.binary_search(&number).is_ok() {
-            self.make_room(is_kept.then_some(number))?;
+        if free.is_some() && is_kept && share.numbers.binary_search(&number).is_err() {
+            let rooms = share.whole.vacant.clone();
+            self.make_room(&rooms)?;
         }
         let Some(share) = self.share.as_deref_mut() else {
-            return Ok(Whose::Own);
+            return Ok(Whose::Only);
         };
         share.whole.total = next;
         share.whole.vacant.retain(|other| *other != number);
@@ -64,12 +68,12 @@ impl World {
         place(&mut share.until, id as BodyId, until);
         if owner != rank {
             insert(&mut share.link(owner).guests, id as BodyId);
-            return Ok(Whose::Guest);
+            return Ok(Whose::Guest(id as BodyId));
         }
         for other in near.into_iter().filter(|other| *other != owner) {
             insert(&mut share.link(other).lent, id as BodyId);
         }
-        Ok(Whose::Own)
+        Ok(Whose::Own(id as BodyId))
     }
 
     /// The number here of a body by its number in the whole; `None` if only other ranks have it.

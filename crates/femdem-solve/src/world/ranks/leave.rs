@@ -93,15 +93,15 @@ impl World {
         }
     }
 
-    /// Takes the places of removed bodies out of the lists here, and puts in one for a body of a number in the whole. It is the
-    /// lowest that is free then, if no lower number is.
-    pub(super) fn make_room(&mut self, room: Option<BodyId>) -> Result<(), SolveError> {
+    /// Takes the places of removed bodies out of the lists here, and puts in those for bodies of these numbers in the whole, ascending:
+    /// they are the ones that are free then.
+    pub(super) fn make_room(&mut self, rooms: &[BodyId]) -> Result<(), SolveError> {
         let (all, is_own) = self.take_all()?;
         let Some(mut share) = self.share.take() else {
             return Ok(());
         };
         let mut numbers: Vec<BodyId> = all.members.iter().map(|member| member.number).collect();
-        if let Some(number) = room {
+        for &number in rooms {
             let at = numbers.partition_point(|other| *other < number);
             numbers.insert(at, number);
         }

@@ -7,6 +7,8 @@
 //! Bodies are dealt anew before one of them can have come near another that its rank does not know of. In periodic space a body
 //! belongs to the rank in whose box its image in the cell is.
 
+mod bonds;
+mod break_up;
 mod cuts;
 mod deal;
 mod edges;
@@ -28,6 +30,7 @@ use femdem_fem::{Boundary, Driven};
 pub(super) use join::Whose;
 use map::Map;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 /// How far a body may travel before all are dealt anew, over the largest radius; the last step adds at most
@@ -70,6 +73,8 @@ pub(super) struct Whole {
     boundaries: Vec<Boundary>,
     /// Whether some bodies are bonded.
     bonds: bool,
+    /// After how many steps each the stresses of bodies that may break are looked at.
+    looks: BTreeSet<u32>,
 }
 
 impl Whole {
@@ -92,6 +97,9 @@ impl Whole {
             }
         }
         let boundaries = world.own_nodes().map(|(_, nodes, _)| &nodes.boundary);
+        let breakable = world.own_nodes();
+        let breakable = breakable.filter_map(|(_, nodes, _)| nodes.breakable.as_deref());
+        let looks = breakable.map(|breakable| breakable.fracture.every);
         let will_move = |b: &&Boundary| b.is_driven(world.time, f64::INFINITY);
         Ok(Self {
             total,
@@ -101,6 +109,7 @@ impl Whole {
             guides,
             boundaries: boundaries.filter(will_move).cloned().collect(),
             bonds: world.batch.has_bonds(),
+            looks: looks.collect(),
         })
     }
 }
@@ -160,7 +169,7 @@ impl World {
     /// the number that a body had here.
     ///
     /// # Errors
-    /// [`SolveError::Ranks`] for what cannot be shared: bodies that may break, bodies that a host moves, bonded bodies that
+    /// [`SolveError::Ranks`] for what cannot be shared: bodies that a host moves, bonded bodies that
     /// are far apart, and [friction that begins](Self::begin_friction); if the worlds of the ranks differ, or their programs; and what `halo` reports.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         self.share_out_with(&(), halo)
@@ -257,22 +266,14 @@ impl World {
     /// # Errors
     /// [`SolveError::Ranks`].
     pub fn can_be_shared(&self) -> Result<(), SolveError> {
-        let breakable = self
-            .own_nodes()
-            .any(|(_, nodes, _)| nodes.breakable.is_some());
         let of_bodies = self.live_bodies();
         let mut guides = of_bodies.filter_map(|(_, body)| body.driven.as_deref());
         let by_host = guides.any(|(guide, _)| guide.drive().is_none());
         for (what, is_there) in [
             ("bodies that a host moves", by_host),
-            ("breakable bodies", breakable),
             (
                 "bodies that are deformable near their strength only",
                 self.adaptive_bodies().next().is_some(),
-            ),
-            (
-                "bonds beside deformable bodies",
-                self.own_nodes().next().is_some() && self.batch.bonds().next().is_some(),
             ),
             ("friction that begins", self.batch.begins_friction()),
         ] {
@@ -282,7 +283,7 @@ impl World {
                 });
             }
         }
-        Ok(())
+        self.check_bonds()
     }
 
     /// Checks that the ranks have the same program, the same world and the same of something else.

@@ -6,7 +6,7 @@ use crate::checkpoint;
 use crate::error::SolveError;
 use crate::halo::Halo;
 use crate::world::World;
-use crate::world::deformables::State;
+use crate::world::deformables::Soft;
 use crate::world::newcomers::Newcomers;
 use femdem_contact::bond::Bond;
 use femdem_contact::{BodyId, BodyRecord, Motion, PairRecord, Partner};
@@ -23,22 +23,42 @@ pub(super) struct Member {
     pub motion: Motion,
     pub record: BodyRecord,
     /// Of a deformable body, which has no `body` and `motion`.
-    pub nodes: Option<Box<State>>,
+    pub nodes: Option<Box<Soft>>,
 }
 
 impl Member {
     /// By what its owner is chosen, m.
     pub fn place(&self) -> Vector3 {
         let nodes = self.nodes.as_deref();
-        nodes.map_or(self.body.position, State::middle)
+        nodes.map_or(self.body.position, |nodes| nodes.state.middle())
     }
 
     /// No point is farther than this from its [place](Self::place), m; of a deformable body until it is next looked up.
     pub fn radius(&self) -> f64 {
         match self.nodes.as_deref() {
-            Some(nodes) => nodes.radius().max(self.record.reach().unwrap_or_default()),
+            Some(nodes) => {
+                let reach = self.record.reach().unwrap_or_default();
+                nodes.state.radius().max(reach)
+            }
             None => self.body.radius,
         }
+    }
+
+    /// Leaves whether and where it breaks to its owner.
+    pub fn forget_fracture(&mut self) {
+        if let Some(nodes) = &mut self.nodes {
+            nodes.state.breakable = None;
+        }
+    }
+
+    /// As its guests have it.
+    pub fn as_guest(&mut self) -> Self {
+        let nodes = self.nodes.take();
+        let mut guest = self.clone();
+        self.nodes = nodes;
+        let nodes = self.nodes.as_deref_mut();
+        guest.nodes = nodes.map(|nodes| Box::new(nodes.as_guest()));
+        guest
     }
 }
 
@@ -59,7 +79,7 @@ const PORTION: usize = 1 << 14;
 impl Member {
     /// Its share of a portion.
     fn weight(&self) -> usize {
-        1 + self.nodes.as_deref().map_or(0, State::count_of_numbers)
+        1 + self.nodes.as_deref().map_or(0, Soft::weight)
     }
 }
 
@@ -168,17 +188,21 @@ impl World {
         let guests = self.batch.body_ids().filter(|id| self.is_guest(*id));
         let guests: BTreeSet<BodyId> = guests.filter_map(number).collect();
         let (records, pairs) = self.batch.take_bodies()?;
+        let mut models = match &mut self.deformables {
+            Some(deformables) => deformables.take_models(&mut self.batch)?,
+            None => Vec::new(),
+        };
         let pairs = pairs.into_iter();
         let mut all = Parts {
             newcomers: newcomers.renumbered(number),
             pairs: pairs.filter_map(|pair| pair.renumbered(number)).collect(),
             ..Parts::default()
         };
-        for (id, record) in records {
+        for (id, mut record) in records {
             let i = id as usize;
             let Some(number) = number(id) else { continue };
             let nodes = match &mut self.deformables {
-                Some(deformables) => deformables.take(id),
+                Some(deformables) => deformables.take(id, &mut record, &mut models),
                 None => None,
             };
             all.members.push(Member {
@@ -245,7 +269,7 @@ impl World {
             deformables.empty(total as usize);
         }
         let mut records = Vec::new();
-        for (id, (member, is_guest)) in members {
+        for (id, (mut member, is_guest)) in members {
             if member.record.is_awake_rigid() && !is_guest {
                 self.awake.push(id);
             }
@@ -257,7 +281,7 @@ impl World {
                         "nodes came of a deformable body where there are none",
                     ));
                 };
-                deformables.give(id, *nodes);
+                deformables.give(id, *nodes, &mut member.record, &mut self.batch)?;
             }
             records.push((id, member.record, is_guest));
         }

@@ -33,7 +33,7 @@ impl World {
         });
         let done = swapped.and_then(|received| {
             for (link, bytes) in share.links.iter().zip(received) {
-                self.place_guests(&link.guests, &bytes)?;
+                self.place_guests(link.guests.iter(), &bytes)?;
             }
             Ok(())
         });
@@ -120,7 +120,8 @@ impl World {
         }
     }
 
-    fn swap(
+    /// Sends the other rank of each link a message about what is lent to it, and returns those that come.
+    pub(super) fn swap(
         &self,
         share: &Share,
         halo: &mut dyn Halo,
@@ -154,7 +155,33 @@ impl World {
         bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
     }
 
-    fn place_guests(&mut self, guests: &[BodyId], mut bytes: &[u8]) -> Result<(), SolveError> {
+    /// The numbers of those of a list that are deformable, which their guests need.
+    pub(super) fn numbers_of_soft(&self, list: &[BodyId]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let soft = list.iter().filter(|id| self.batch.is_deformable(**id));
+        for &id in soft.filter(|id| self.is_followed(**id)) {
+            self.add_numbers(id, &mut bytes);
+        }
+        bytes
+    }
+
+    /// Takes over the [numbers](Self::numbers_of_soft) of those guests of a list that are deformable.
+    pub(super) fn place_soft_guests(
+        &mut self,
+        guests: &[BodyId],
+        bytes: &[u8],
+    ) -> Result<(), SolveError> {
+        let soft = guests.iter().copied();
+        let soft = soft.filter(|id| self.batch.is_deformable(*id));
+        let soft: Vec<BodyId> = soft.collect();
+        self.place_guests(soft.iter(), bytes)
+    }
+
+    fn place_guests<'a>(
+        &mut self,
+        guests: impl Iterator<Item = &'a BodyId>,
+        mut bytes: &[u8],
+    ) -> Result<(), SolveError> {
         let wrong = || ranks("a message of the wrong length came");
         for &guest in guests {
             if !self.is_followed(guest) {

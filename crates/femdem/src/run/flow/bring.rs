@@ -3,10 +3,10 @@
 use femdem_mesh::{Point3, Pose, Vector3};
 use femdem_solve::{BodySpec, Halo, ShapeId, World};
 
-use super::ranks::of_all;
 use super::state::{Flow, Supply};
 use crate::Error;
 use crate::run::Member;
+use crate::run::gather::of_all;
 
 /// Places that are tried in a step at most.
 const TRIES: u32 = 16;

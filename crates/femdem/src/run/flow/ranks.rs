@@ -1,11 +1,12 @@
 //! Flow over ranks: all have the same, and each sees what its own bodies do.
 
-use femdem_solve::{Halo, SolveError, World, checkpoint};
-use serde::de::DeserializeOwned;
+use femdem_mesh::Vector3;
+use femdem_solve::{Halo, World};
 use serde::{Deserialize, Serialize};
 
 use super::state::Flow;
 use crate::Error;
+use crate::run::gather::of_all;
 use crate::run::load::LoadedMembers;
 use crate::run::{Member, Simulation};
 
@@ -16,7 +17,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::run) struct SharedFlow {
     flow: Flow,
-    /// None where nothing is counted.
+    /// None where nothing is counted and no body may break.
     members: Vec<Member>,
     /// The members of bodies, by their numbers in the whole.
     of_bodies: Vec<u32>,
@@ -25,13 +26,14 @@ pub(in crate::run) struct SharedFlow {
 impl SharedFlow {
     pub fn of(simulation: &Simulation) -> Self {
         let flow = simulation.flow.clone();
-        let counted = flow.is_counted().then_some(&simulation.members);
+        let is_listed = flow.is_counted() || simulation.has_breakable();
+        let listed = is_listed.then_some(&simulation.members);
         let mut shared = Self {
             flow,
             members: Vec::new(),
             of_bodies: Vec::new(),
         };
-        for member in counted.into_iter().flatten() {
+        for member in listed.into_iter().flatten() {
             shared.add(member.clone());
         }
         shared
@@ -65,7 +67,31 @@ impl SharedFlow {
         Ok(())
     }
 
-    /// After a step: counts the bodies that have passed gates, and takes away those that are beyond a sink.
+    /// After a step: makes members of the fragments that have become bodies.
+    pub fn fragment_bodies(
+        &mut self,
+        world: &mut World,
+        loads: &mut LoadedMembers,
+        halo: &mut dyn Halo,
+    ) -> Result<(), Error> {
+        for fragmentation in world.fragment_bodies_on(halo)? {
+            let whole = self.of_bodies.get(fragmentation.body as usize);
+            let Some(&whole) = whole.filter(|member| **member != NONE) else {
+                continue;
+            };
+            for id in fragmentation.fragments {
+                let member = Member::fragment(&self.members, whole as usize, id);
+                // It has passed what the body has passed, wherever it is.
+                self.flow
+                    .note_member(&Vector3::zeros(), Some(whole as usize));
+                loads.add(&member);
+                self.add(member);
+            }
+        }
+        Ok(())
+    }
+
+    /// After that: counts the bodies that have passed gates, and takes away those that are beyond a sink.
     pub fn end_step(
         &mut self,
         world: &mut World,
@@ -106,27 +132,4 @@ impl SharedFlow {
             simulation.members.push(member.clone());
         }
     }
-}
-
-/// The items of all ranks, by rank.
-pub(super) fn of_all<T: Serialize + DeserializeOwned>(
-    own: Vec<T>,
-    halo: &mut dyn Halo,
-) -> Result<Vec<T>, SolveError> {
-    let mut count = [own.len() as u64];
-    halo.sum(&mut count)?;
-    if count[0] == 0 || halo.size() == 1 {
-        return Ok(own);
-    }
-    let mut messages = Vec::new();
-    if !own.is_empty() {
-        let bytes = checkpoint::encode(&own)?;
-        messages.extend((0..halo.size()).map(|rank| (rank, bytes.clone())));
-    }
-    let mut all = Vec::new();
-    for (_, bytes) in halo.send(messages)? {
-        let part: Vec<T> = checkpoint::decode(&bytes)?;
-        all.extend(part);
-    }
-    Ok(all)
 }

@@ -170,15 +170,8 @@ impl Simulation {
             let Some(whole) = self.member_of(fragmentation.body) else {
                 continue;
             };
-            let first = self.members[whole].of.unwrap_or(whole as u32);
             for id in fragmentation.fragments {
-                let Member { name, placed, .. } = &self.members[first as usize];
-                let member = Member {
-                    name: format!("{name} fragment {}", self.members.len()),
-                    id,
-                    placed: *placed,
-                    of: Some(first),
-                };
+                let member = Member::fragment(&self.members, whole, id);
                 let x = self.world.position(id).unwrap_or_default();
                 self.flow.note_member(&x, Some(whole));
                 self.loads.add_member(&member);

@@ -45,7 +45,11 @@ impl Run {
         Ok(Shared {
             scenario: self.scenario.to_toml()?,
             controls: simulation.controls.clone(),
-            loads: LoadedMembers::of(&simulation.loads, &simulation.members),
+            loads: LoadedMembers::of(
+                &simulation.loads,
+                &simulation.members,
+                simulation.has_breakable(),
+            ),
             flow: SharedFlow::of(simulation),
             stillness: self.stillness,
             relaxed: self.steps_relaxed(),
@@ -155,6 +159,8 @@ impl Part {
         } else {
             self.controls.step_on(&mut self.world, halo)?;
         }
+        self.flow
+            .fragment_bodies(&mut self.world, &mut self.loads, halo)?;
         self.flow.end_step(&mut self.world, &mut self.loads, halo)?;
         self.may_rest = self.is_still(halo)?;
         let time = self.world.time();

@@ -2,7 +2,7 @@
 
 mod begin;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_contact::{BodyId, Wrench};
 use femdem_fem::Curve;
@@ -11,6 +11,7 @@ use femdem_solve::{AppliedLoad, Halo, World};
 use serde::{Deserialize, Serialize};
 
 use super::Member;
+use super::gather::of_all;
 use crate::Error;
 use crate::error::wrong;
 use crate::scene::in_metres;
@@ -227,6 +228,33 @@ fn torque(torque: Vector3) -> Wrench {
     }
 }
 
+/// Of bodies that have fragments, with these, by number among the members, kg. `mass` is that of a member of this rank.
+fn masses_of_broken(
+    members: &[Member],
+    mass: impl Fn(&Member) -> Option<f64>,
+    halo: &mut dyn Halo,
+) -> Result<BTreeMap<u32, f64>, Error> {
+    let firsts: BTreeSet<u32> = members.iter().filter_map(|member| member.of).collect();
+    let mut masses = BTreeMap::new();
+    if firsts.is_empty() {
+        return Ok(masses);
+    }
+    let broken = (0..).zip(members);
+    let broken = broken.filter(|(number, member)| member.of.is_some() || firsts.contains(number));
+    let own = broken.filter_map(|(number, member)| {
+        let first = member.of.unwrap_or(number);
+        Some((number, first, mass(member)?))
+    });
+    let own: Vec<(u32, u32, f64)> = own.collect();
+    // In the order of the members, whichever rank they are on.
+    let mut all = of_all(own, halo)?;
+    all.sort_by_key(|(number, ..)| *number);
+    for (_, first, mass) in all {
+        *masses.entry(first).or_insert(0.0) += mass;
+    }
+    Ok(masses)
+}
+
 impl BodyLoads {
     /// The number of a load on a member that is not there, and how many are.
     pub(super) fn misfit(&self) -> Option<[usize; 2]> {
@@ -265,15 +293,8 @@ impl BodyLoads {
             return Ok(());
         }
         let here = |id: BodyId| world.number_here(id).filter(|id| !world.is_guest(*id));
-        // Of bodies that have fragments, with these, by number, kg. Ranks share no bodies that break.
         let mass = |member: &Member| here(member.id).and_then(|id| world.mass(id));
-        let mut masses = BTreeMap::new();
-        for member in members {
-            if let Some(first) = member.of {
-                let of_first = || members.get(first as usize).and_then(mass).unwrap_or(0.0);
-                *masses.entry(first).or_insert_with(of_first) += mass(member).unwrap_or(0.0);
-            }
-        }
+        let masses = masses_of_broken(members, mass, halo)?;
         let mut loads = Vec::new();
         let each = (0..).zip(members).zip(&self.of_members);
         for ((number, member), numbers) in each {
@@ -306,10 +327,10 @@ pub(super) struct LoadedMembers {
 }
 
 impl LoadedMembers {
-    /// Those of a run, whose bodies do not break.
-    pub fn of(loads: &BodyLoads, members: &[Member]) -> Self {
+    /// Those of a run; all members if some of its bodies may break, since fragments tell by number of which they are.
+    pub fn of(loads: &BodyLoads, members: &[Member], may_break: bool) -> Self {
         let each = members.iter().zip(&loads.of_members);
-        let loaded = each.filter(|(_, numbers)| !numbers.is_empty());
+        let loaded = each.filter(|(_, numbers)| may_break || !numbers.is_empty());
         let (members, of_members) = loaded.map(|(m, n)| (m.clone(), n.clone())).unzip();
         let loads = BodyLoads {
             loads: loads.loads.clone(),

@@ -5,6 +5,7 @@ use super::cracks::CrackState;
 use super::joints::{Joint, in_axes};
 use crate::error::SolveError;
 use crate::fracture::Fracture;
+use crate::halo::Halo;
 use crate::world::World;
 use crate::world::deformables::add::{held_energy, inverse_masses};
 use crate::world::deformables::each::on_each_with;
@@ -21,8 +22,11 @@ use std::sync::Arc;
 
 impl World {
     /// Looks at the stresses of the bodies that may break, and splits nodes where they exceed the strength. Called after each
-    /// step.
-    pub(in crate::world) fn crack_deformables(&mut self) -> Result<(), SolveError> {
+    /// step. Guests crack as their owners say.
+    pub(in crate::world) fn crack_deformables(
+        &mut self,
+        halo: &mut dyn Halo,
+    ) -> Result<(), SolveError> {
         let (time, steps) = (self.time, self.steps);
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
@@ -51,28 +55,44 @@ impl World {
             };
             body.look(&model.model, &faces, time, scratch)
         });
-        let mut any = false;
         let before = self.stored_in_soft_contacts();
+        let mut cracked = Vec::new();
         for (i, look) in looks.into_iter().enumerate() {
-            let cracked = look.map_err(|error| error.in_body(i, steps, time))?;
-            if let Some(cracked) = cracked {
-                any = true;
-                // It is breakable from now on, as its fragments will be.
-                self.forget_adaptive(i as BodyId);
-                self.crack(i as BodyId, cracked)?;
-            }
+            let look = look.map_err(|error| error.in_body(self.named(i), steps, time))?;
+            cracked.extend(look.and_then(|model| self.with_cracks(i as BodyId, model)));
         }
-        if any {
-            self.book_cracks();
-            // The contacts act on the new nodes, too.
-            self.meet_deformables(0.0)?;
-            self.flows.cracks.released += before - self.stored_in_soft_contacts();
+        if !self.tell_cracks(&mut cracked, halo)? {
+            return Ok(());
         }
+        for (id, model) in cracked {
+            // It is breakable from now on, as its fragments will be.
+            self.forget_adaptive(id);
+            self.crack(id, model)?;
+        }
+        self.book_cracks();
+        // The contacts act on the new nodes, too.
+        self.meet_deformables(0.0)?;
+        self.flows.cracks.released += before - self.stored_in_soft_contacts();
         Ok(())
     }
 
+    /// The number of a body with the model of its cracks.
+    fn with_cracks(&self, id: BodyId, cracked: DeformableModel) -> Option<(BodyId, Model)> {
+        let deformables = self.deformables.as_deref()?;
+        let number = deformables.bodies[id as usize].model as usize;
+        let old = &deformables.models[number];
+        let edge = || self.batch.deformable_shapes()[number].edge();
+        let model = Model {
+            name: old.name.clone(),
+            model: cracked,
+            edge: Some(old.edge.unwrap_or_else(edge)),
+            ..*old
+        };
+        Some((id, model))
+    }
+
     /// Gives a body the model of its cracks.
-    fn crack(&mut self, id: BodyId, cracked: DeformableModel) -> Result<(), SolveError> {
+    fn crack(&mut self, id: BodyId, cracked: Model) -> Result<(), SolveError> {
         let Some(deformables) = self.deformables.as_deref_mut() else {
             return Ok(());
         };
@@ -80,19 +100,11 @@ impl World {
         let number = deformables.bodies[id as usize].model;
         let old = &mut deformables.models[number as usize];
         if old.edge.is_some() {
-            old.model = cracked;
+            *old = cracked;
             return self.reshape_cracked(id);
         }
         let shape = Arc::clone(&self.batch.deformable_shapes()[number as usize]);
-        let new = Model {
-            name: old.name.clone(),
-            model: cracked,
-            stiffness: old.stiffness,
-            field: old.field,
-            young: old.young,
-            edge: Some(shape.edge()),
-        };
-        deformables.models.push(new);
+        deformables.models.push(cracked);
         let own = self.batch.add_deformable_shape(shape);
         deformables.bodies[id as usize].model = own;
         self.batch.crack_deformable(id, own, None)?;

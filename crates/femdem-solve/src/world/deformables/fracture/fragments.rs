@@ -12,6 +12,7 @@ use super::joints::Joint;
 use crate::body::Body;
 use crate::error::SolveError;
 use crate::fracture::Fragments;
+use crate::halo::{Alone, Halo};
 use crate::world::World;
 use crate::world::deformables::add::{held_energy, inverse_masses};
 use crate::world::deformables::nodal_bound::NodalBound;
@@ -33,11 +34,35 @@ pub struct Fragmentation {
 }
 
 /// A fragment that becomes a body.
-struct Fragment {
+pub(in crate::world) struct Fragment {
     model: Model,
     shape: Arc<DeformableShape>,
     state: State,
     tets: Vec<u32>,
+}
+
+/// What ranks that have a body as a guest need to know of a fragment.
+pub(in crate::world) type GuestFragment = (Model, State, Vec<u32>);
+
+impl Fragment {
+    /// What goes to the guests of the body.
+    pub fn to_guest(&self) -> GuestFragment {
+        let state = State {
+            breakable: None,
+            ..self.state.clone()
+        };
+        (self.model.clone(), state, self.tets.clone())
+    }
+
+    /// That of a guest.
+    pub fn of_guest((model, state, tets): GuestFragment) -> Result<Self, SolveError> {
+        Ok(Self {
+            shape: Arc::new(model.shape()?),
+            model,
+            state,
+            tets,
+        })
+    }
 }
 
 impl World {
@@ -50,29 +75,54 @@ impl World {
     ///
     /// # Errors
     /// [`SolveError::Fem`] and [`SolveError::Mesh`] where fragments are no sound bodies: no body has fallen into parts then. After an
-    /// error of the contacts, [`SolveError::Contact`], the world is of no further use.
+    /// error of the contacts, [`SolveError::Contact`], the world is of no further use. [`SolveError::Ranks`] in a world that is
+    /// [shared out](Self::share_out).
     pub fn fragment_bodies(&mut self) -> Result<Vec<Fragmentation>, SolveError> {
+        self.not_shared("making bodies of fragments by one rank")?;
+        self.fragment_bodies_on(&mut Alone)
+    }
+
+    /// As [`fragment_bodies`](Self::fragment_bodies), in a world that may be [shared out](Self::share_out), by all ranks. They get
+    /// the same, by numbers in the whole. Where a body has fallen into parts, all bodies are dealt anew.
+    ///
+    /// # Errors
+    /// As [`fragment_bodies`](Self::fragment_bodies), [`SolveError::Ranks`] if the world was not shared out over these ranks, and what
+    /// `halo` reports.
+    pub fn fragment_bodies_on(
+        &mut self,
+        halo: &mut dyn Halo,
+    ) -> Result<Vec<Fragmentation>, SolveError> {
         self.restored()?;
+        self.fits(halo)?;
         let mut broken = Vec::new();
         for id in self.deformable_ids().collect::<Vec<_>>() {
             broken.extend(self.parts_of(id).map(|parts| (id, parts)));
         }
-        if broken.is_empty() {
+        if !self.is_any_fallen(!broken.is_empty(), halo)? {
             return Ok(Vec::new());
         }
-        self.evaluate_if_due()?;
+        self.evaluate_on(halo)?;
         let before = self.stored_in_soft_contacts();
         let (time, steps) = (self.time, self.steps);
-        let in_body = |id| move |error: SolveError| error.in_body(id as usize, steps, time);
+        let in_body = |body| move |error: SolveError| error.in_body(body, steps, time);
         // All of them before anything changes.
         let mut fallen = Vec::new();
         for (id, parts) in broken {
-            fallen.push((id, self.fragments_of(id, parts).map_err(in_body(id))?));
+            let named = self.named(id as usize);
+            fallen.push((id, self.fragments_of(id, parts).map_err(in_body(named))?));
         }
         self.book_cracks();
+        let (fallen, of_whole) = self.tell_fallen(fallen, halo)?;
         let mut fragmentations = Vec::new();
         for (id, fragments) in fallen {
-            fragmentations.push(self.part(id, fragments).map_err(in_body(id))?);
+            let named = self.named(id as usize);
+            let parts = self.part(id, fragments).map_err(in_body(named))?;
+            self.follow_whole(&parts);
+            fragmentations.push(parts);
+        }
+        if self.is_shared() {
+            self.deal_again(halo)?;
+            fragmentations = of_whole;
         }
         self.meet_deformables(0.0)?;
         self.flows.cracks.released += before - self.stored_in_soft_contacts();
@@ -302,6 +352,8 @@ impl CrackState {
         };
         own.stored = own.joints.iter().map(held).sum();
         own.stiffen(positions.len());
+        // Until its contacts are known.
+        own.both.clone_from(&own.stiffness);
         Ok(own)
     }
 }

@@ -20,6 +20,7 @@ mod stored;
 
 pub use facet::CrackFacet;
 pub use fragments::Fragmentation;
+pub(in crate::world) use fragments::{Fragment, GuestFragment};
 pub use query::Cracks;
 
 pub(crate) use breakable::Breakable;

@@ -1,0 +1,28 @@
+//! What ranks tell each other of a run.
+
+use femdem_solve::{Halo, SolveError, checkpoint};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// The items of all ranks, by rank.
+pub(in crate::run) fn of_all<T: Serialize + DeserializeOwned>(
+    own: Vec<T>,
+    halo: &mut dyn Halo,
+) -> Result<Vec<T>, SolveError> {
+    let mut count = [own.len() as u64];
+    halo.sum(&mut count)?;
+    if count[0] == 0 || halo.size() == 1 {
+        return Ok(own);
+    }
+    let mut messages = Vec::new();
+    if !own.is_empty() {
+        let bytes = checkpoint::encode(&own)?;
+        messages.extend((0..halo.size()).map(|rank| (rank, bytes.clone())));
+    }
+    let mut all = Vec::new();
+    for (_, bytes) in halo.send(messages)? {
+        let part: Vec<T> = checkpoint::decode(&bytes)?;
+        all.extend(part);
+    }
+    Ok(all)
+}
