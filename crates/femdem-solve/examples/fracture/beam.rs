@@ -261,7 +261,11 @@ impl Beam {
     fn seam(&self, p: &Point3) -> f64 {
         let band = if self.rough { 0.9 * self.fine } else { 1e-9 };
         let is_ahead = p.x > self.planes[0][self.tip] - 1e-9;
-        if is_ahead && p.z.abs() < band { 1.0 } else { STRONGER }
+        if is_ahead && p.z.abs() < band {
+            1.0
+        } else {
+            STRONGER
+        }
     }
 
     /// The facets of the seam that are broken, with their centres.
