@@ -37,7 +37,7 @@ pub enum SolveError {
     #[error(
         "the elements of a body that may break are {height:.3e} m high in the mean, but the zone in which its cracks open \
          needs {largest:.3e} m or less: use a mesh with edges of about {edge:.2e} m, or a larger energy of fracture or a lower \
-         strength, or allow it (coarse), and cracks take more energy than given"
+         strength, by opening or by sliding, or allow it (coarse), and cracks take more energy than given"
     )]
     TooCoarse {
         /// Mean height of the elements, m.

@@ -1,7 +1,7 @@
 //! How a deformable body breaks.
 
 use crate::error::{SolveError, check};
-use femdem_contact::glue::Softening;
+use femdem_contact::glue::{Softening, least_compliance};
 use femdem_fem::fracture::{Strength, Weibull};
 use serde::{Deserialize, Serialize};
 
@@ -84,10 +84,13 @@ impl Fracture {
         young * self.energies[0] / self.strength.tensile().powi(2)
     }
 
-    /// The largest height of elements, m, with which a new crack is lent no more than a tenth of its energy: h/(2 α l).
+    /// The largest height h of elements, m, with which a new crack is lent no more than a tenth of its energy by opening, h/(2 α l),
+    /// and in no mixed mode, of strength P and energy G, rises by more than half of it: P² h/(2 α E) at most G/2.
     #[must_use]
     pub fn largest_height(&self, young: f64) -> f64 {
-        LOAN * 2.0 * self.stiffness * self.process_zone(young)
+        let strengths = [self.strength.tensile(), self.strength.cohesion()];
+        let least = least_compliance(self.energies, self.mix, strengths);
+        self.stiffness * (LOAN * 2.0 * self.process_zone(young)).min(young * least)
     }
 
     /// Checks the numbers.

@@ -192,7 +192,11 @@ fn facets_in_the_plane_of_a_crack_take_their_energy() {
         .unwrap();
     let body = world
         .add_deformable(DeformableSpec {
-            fracture: Some(rock([10.0, 10.0])),
+            // Too coarse for its cohesion, which nothing here reaches.
+            fracture: Some(Fracture {
+                coarse: true,
+                ..rock([10.0, 10.0])
+            }),
             ..DeformableSpec::at_rest(id, Pose::identity())
         })
         .unwrap();
@@ -381,6 +385,9 @@ fn what_cannot_break_is_refused_by_name() {
         coarse.contains("use a mesh with edges of about"),
         "{coarse}"
     );
+    // Fine enough to open, but the glue would store more than half of its energy before it slides: h > 2 E G/c².
+    let sheared = of(&mut world, Element::T4, ratio, rock([20.0, 20.0]));
+    assert!(sheared.contains("needs 2.000e-3 m or less"), "{sheared}");
     let quadratic = of(&mut world, Element::T10, ratio, good);
     assert!(quadratic.contains("linear elements (T4)"), "{quadratic}");
     let penalty = of(

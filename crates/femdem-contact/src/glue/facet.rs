@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// A pair of nodes that a crack has split.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Point {
-    /// `None` where it was born under pressure whose friction bore all the shear.
+    /// `None` where a facet across the plane that failed carried nothing.
     pub glue: Option<Glue>,
     /// Offset g of the contact, m, and what it loses in a step once no glue is left.
     pub offset: f64,
@@ -163,22 +163,21 @@ impl GluedFacet {
         let share = if shear > 0.0 { rubbed / shear } else { 0.0 };
         let [one, two] = [traction[1], traction[2]];
         let rest = [normal.max(0.0), one * (1.0 - share), two * (1.0 - share)];
+        let offset = pressure / law.contact;
         let new = Point {
-            glue: Glue::born(law, rest, limits).filter(|_| pressure == 0.0 || rest != [0.0; 3]),
-            offset: pressure / law.contact,
-            fade: if law.presses {
-                0.0
-            } else {
-                pressure / law.contact / FADES
-            },
+            glue: Glue::born(law, rest, offset, limits),
+            offset,
+            fade: if law.presses { 0.0 } else { offset / FADES },
             normal: 0.0,
             slip: [one, two].map(|shear| -shear * share / law.tangential),
             stretch: [one, two].map(|shear| shear * share / law.tangential),
         };
         *point = Some(new);
-        let springs = pressure * pressure / law.contact + rubbed * rubbed / law.tangential;
-        let glue = new.glue.map_or(0.0, |glue| glue.lent(law));
-        (glue + 0.5 * springs) * self.area / 3.0
+        let held = rest.iter().map(|t| t * t).sum::<f64>();
+        let springs = held / law.stiffness
+            + pressure * pressure / law.contact
+            + rubbed * rubbed / law.tangential;
+        0.5 * springs * self.area / 3.0
     }
 
     /// Area before the body deforms, m².
@@ -339,10 +338,10 @@ impl GluedFacet {
             let Some(point) = point else {
                 continue;
             };
+            let pressure = law.contact * point.overlap(law, opening);
             if let Some(glue) = &mut point.glue {
                 let stretch = Point::stretch(glue, law, opening);
-                let lambda = stretch.iter().map(|x| x * x).sum::<f64>().sqrt();
-                lost.glue += weight * glue.reach(law, lambda);
+                lost.glue += weight * glue.reach(law, &stretch, pressure);
             }
             if point.offset > 0.0 && point.glue.is_none_or(|glue| glue.is_broken(law)) {
                 // The mean of where the faces were and are: with the energy this is the work of the mean force.

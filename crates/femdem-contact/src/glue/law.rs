@@ -46,28 +46,81 @@ pub(super) fn inverse_square([tensile, cohesion]: [f64; 2], s: f64) -> f64 {
     (1.0 - s) / tensile.powi(2) + s / cohesion.powi(2)
 }
 
-/// What the glue of a point bears, and what it takes to break it.
+/// What the glue of a point bears until it gives way. In which mode it does so is decided then, by the traction that it carries.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GlueLimits {
-    /// The traction from which on it softens, P, Pa; 0 for that at birth.
-    pub peak: f64,
-    /// The energy G that it takes to break it, J/m²; the glue dissipates as much, and what was lent at its birth.
-    pub energy: f64,
+    /// Tensile strength f_t and cohesion c, Pa.
+    pub strengths: [f64; 2],
+    /// Tangent of the angle of internal friction φ. What it is more than the friction of the faces, the glue bears by cohesion,
+    /// so that they bear c + p tan φ together under a pressure p.
+    pub slope: f64,
+    /// Unit normal m of the plane that fails, in the axes of the facet, n first; n·m is not negative. The facet opens where its
+    /// traction pulls along m, and slides by what is across, and bears and takes its part n·m of what that plane does.
+    pub plane: [f64; 3],
 }
 
 impl GlueLimits {
+    /// A facet in the plane that fails.
+    #[must_use]
+    pub fn flat(strengths: [f64; 2], slope: f64) -> Self {
+        Self {
+            strengths,
+            slope,
+            plane: [1.0, 0.0, 0.0],
+        }
+    }
+
     /// Checks the numbers.
     ///
     /// # Errors
     ///
-    /// [`ContactError::Parameter`] for a peak that is negative or not finite, and an energy that is not positive and finite.
+    /// [`ContactError::Parameter`] for strengths that are not positive and finite, a slope that is negative or not finite, and a
+    /// normal that is no unit or points to the other side.
     pub fn check(&self) -> Result<(), ContactError> {
-        let allowed = "at least 0 and finite, in Pa";
-        check("peak of glue", self.peak, self.peak >= 0.0, allowed)?;
-        let allowed = "above 0 and finite, in J/m^2";
-        check("energy of glue", self.energy, self.energy > 0.0, allowed)
+        for (name, value) in ["tensile strength of glue", "cohesion of glue"]
+            .into_iter()
+            .zip(self.strengths)
+        {
+            check(name, value, value > 0.0, "above 0 and finite, in Pa")?;
+        }
+        let allowed = "at least 0 and finite";
+        check("slope of glue", self.slope, self.slope >= 0.0, allowed)?;
+        let length = self.plane.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let is_unit = (length - 1.0).abs() <= UNIT;
+        check("length of the normal of glue", length, is_unit, "1")?;
+        let flat = self.plane[0];
+        let allowed = "at least 0: the normal points to the second side";
+        check("part of glue in its plane", flat, flat >= 0.0, allowed)
+    }
+
+    /// The same where strengths are a multiple.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.strengths = self.strengths.map(|strength| strength * factor);
+        self
+    }
+
+    /// The part of sliding in a traction (Pa), squared: what does not pull along the normal of the plane.
+    fn sliding(&self, traction: &[f64; 3]) -> f64 {
+        let along: f64 = self.plane.iter().zip(traction).map(|(m, t)| m * t).sum();
+        let all = square(traction);
+        if all > 0.0 {
+            1.0 - (along.max(0.0).powi(2) / all).min(1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// Traction at which it gives way in a mode, under a pressure (Pa) on the facet, Pa.
+    fn peak(&self, law: &GlueLaw, sliding: f64, pressure: f64) -> f64 {
+        let [tensile, cohesion] = self.strengths;
+        let rest = (self.slope - law.friction).max(0.0) * pressure;
+        self.plane[0] * mixed_strength([tensile, cohesion + rest], sliding)
     }
 }
+
+/// How far the length of a unit normal may be from 1.
+const UNIT: f64 = 1e-9;
 
 impl GlueLaw {
     /// Checks the numbers.
@@ -106,10 +159,35 @@ impl GlueLaw {
 /// The glue of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Glue {
-    /// Traction where the sides have not opened, in the axes of the facet, Pa: that at birth for glue born there, with a normal
-    /// part that is not negative; for glue of a bond, what friction took from it.
+    /// Traction where the sides have not opened, in the axes of the facet, Pa: that at birth for glue born there, and for glue
+    /// born under pressure less than nothing by as much as its spring has to open until the pressure is gone; for glue of a bond,
+    /// what friction took from it.
     pub traction: [f64; 3],
-    /// The largest traction that it bears, above 0, Pa.
+    stage: Stage,
+}
+
+/// Where on its law glue is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Stage {
+    /// On the elastic branch, until its traction is at these limits.
+    Rises(GlueLimits),
+    /// It has given way.
+    Falls(Fall),
+}
+
+/// How glue gives way.
+struct GivesWay {
+    /// What it carries then, and the peak in its mode, Pa.
+    traction: f64,
+    peak: f64,
+    /// The part of sliding.
+    sliding: f64,
+}
+
+/// The softening branch of a law, in the mode in which the glue gave way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Fall {
+    /// The largest traction that it bore, above 0, Pa.
     peak: f64,
     /// Dissipated beyond the peak, J/m².
     energy: f64,
@@ -117,52 +195,87 @@ pub(super) struct Glue {
     largest: f64,
 }
 
+fn square(traction: &[f64; 3]) -> f64 {
+    traction.iter().map(|t| t * t).sum()
+}
+
 impl Glue {
-    /// Glue born under a traction T (Pa), on the elastic branch of its law: it rises to its peak P, or has its peak at once if T is
-    /// more. So no force jumps, and breaking takes G whatever T is: the energy E beyond the peak is what is left of
-    ///
-    /// G = ∫ t dλ − T²/(2k) = (P² − T²)/(2k) + E,   λ from 0.
-    ///
-    /// The rise has at most half of G: P is less where elements are so coarse, thus k so small, that it would have more. `None`
-    /// for glue that bears nothing.
-    pub fn born(law: &GlueLaw, traction: [f64; 3], limits: &GlueLimits) -> Option<Self> {
-        let traction = [traction[0].max(0.0), traction[1], traction[2]];
-        let square = traction.iter().map(|t| t * t).sum::<f64>();
-        let most = square + law.stiffness * limits.energy;
-        let peak_square = (limits.peak * limits.peak).min(most).max(square);
-        let rise = 0.5 * (peak_square - square) / law.stiffness;
-        let peak = peak_square.sqrt();
-        (peak > 0.0).then(|| Self::softening(law, traction, peak, limits.energy - rise))
+    /// Glue born under a traction T (Pa), whose normal part is not negative, where the contact of the faces has to open by `gap`
+    /// (m) until it presses them no more. It is on the elastic branch of its law, so no force jumps, and gives way at once if T is
+    /// beyond the limits. `None` for a facet across the plane that fails which carries nothing.
+    pub fn born(law: &GlueLaw, traction: [f64; 3], gap: f64, limits: &GlueLimits) -> Option<Self> {
+        let mut glue = Self {
+            traction,
+            stage: Stage::Rises(*limits),
+        };
+        if gap > 0.0 {
+            glue.traction[0] = -law.stiffness * gap;
+        }
+        if let Some(now) = Self::onset(law, limits, &traction, gap * law.contact) {
+            // From where it is.
+            let fall = glue.fall(law, limits, now.traction, now.sliding);
+            glue.stage = Stage::Falls(fall);
+        }
+        let bears = limits.plane[0] > 0.0 || matches!(glue.stage, Stage::Falls(_));
+        bears.then_some(glue)
     }
 
     /// Glue that softens from a peak (Pa) on, and dissipates an energy beyond it, J/m².
     pub fn softening(law: &GlueLaw, traction: [f64; 3], peak: f64, energy: f64) -> Self {
+        let fall = Fall::new(law, peak, energy);
         Self {
             traction,
-            peak,
-            energy,
-            largest: peak / law.stiffness,
+            stage: Stage::Falls(fall),
         }
     }
 
-    /// λ beyond that of the peak, over G/T_0, at the largest λ.
-    fn beyond(&self, law: &GlueLaw) -> f64 {
-        ((self.largest - self.peak / law.stiffness) * self.peak / self.energy).max(0.0)
+    /// How it gives way at these limits under an elastic traction and a pressure, Pa, if it does.
+    fn onset(
+        law: &GlueLaw,
+        limits: &GlueLimits,
+        elastic: &[f64; 3],
+        pressure: f64,
+    ) -> Option<GivesWay> {
+        let traction = square(elastic).sqrt();
+        let sliding = limits.sliding(elastic);
+        let peak = limits.peak(law, sliding, pressure);
+        (traction > 0.0 && traction >= peak).then_some(GivesWay {
+            traction,
+            peak,
+            sliding,
+        })
     }
 
-    /// Traction at the largest λ, Pa.
-    fn strength(&self, law: &GlueLaw) -> f64 {
-        self.peak * law.softening.traction(self.beyond(law))
+    /// The branch on which it falls from a peak P. With the energy of fracture G of its mode, and born under T, it dissipates
+    /// beyond the peak what is left of
+    ///
+    /// G = ∫ t dλ − T²/(2k) = (P² − T²)/(2k) + E,   λ from 0,
+    ///
+    /// so that breaking takes G whatever T is. It falls no steeper than it rises, E >= P²/(2k): elements beside it, whose
+    /// stiffness k is, could not follow. Where that is more, it takes more than G: a facet across the plane that fails, which
+    /// carries more than its part of it, and one of elements too coarse for their strength.
+    fn fall(&self, law: &GlueLaw, limits: &GlueLimits, peak: f64, sliding: f64) -> Fall {
+        let [normal, one, two] = self.traction;
+        let lent = 0.5 * square(&[normal.max(0.0), one, two]) / law.stiffness;
+        let risen = 0.5 * peak * peak / law.stiffness;
+        let all = limits.plane[0] * mixed_energy(law.energies, law.mix, sliding);
+        Fall::new(law, peak, (all - risen + lent).max(risen))
     }
 
     /// Secant stiffness S, Pa/m.
     pub fn secant(&self, law: &GlueLaw) -> f64 {
-        self.strength(law) / self.largest
+        match &self.stage {
+            Stage::Rises(_) => law.stiffness,
+            Stage::Falls(fall) => fall.strength(law) / fall.largest,
+        }
     }
 
     /// Whether nothing holds any more.
     pub fn is_broken(&self, law: &GlueLaw) -> bool {
-        self.beyond(law) >= law.softening.end()
+        match &self.stage {
+            Stage::Rises(_) => false,
+            Stage::Falls(fall) => fall.beyond(law) >= law.softening.end(),
+        }
     }
 
     /// Part of the stiffness at birth that is lost.
@@ -172,17 +285,45 @@ impl Glue {
 
     /// Whether its numbers are finite and possible.
     pub fn is_sound(&self, law: &GlueLaw) -> bool {
-        let all = [self.peak, self.energy, self.largest];
-        // The quotient was rounded when the glue was made.
-        let least = self.peak / law.stiffness * (1.0 - 1e-12);
-        all.iter().all(|x| *x > 0.0 && x.is_finite())
-            && self.largest >= least
-            && self.traction.iter().all(|x| x.is_finite())
+        let stage = match &self.stage {
+            Stage::Rises(limits) => limits.check().is_ok(),
+            Stage::Falls(fall) => fall.is_sound(law),
+        };
+        stage && self.traction.iter().all(|x| x.is_finite())
     }
 
-    /// Stored where the sides have not opened, J/m²: T²/(2k), before it has softened.
-    pub fn lent(&self, law: &GlueLaw) -> f64 {
-        0.5 * self.traction.iter().map(|t| t * t).sum::<f64>() / law.stiffness
+    /// Keeps the opening of its spring (m) at which it is now under a pressure (Pa), and returns what that dissipates, J/m².
+    pub fn reach(&mut self, law: &GlueLaw, stretch: &[f64; 3], pressure: f64) -> f64 {
+        if let Stage::Rises(limits) = &self.stage {
+            let elastic = stretch.map(|x| law.stiffness * x);
+            if let Some(now) = Self::onset(law, limits, &elastic, pressure) {
+                self.stage = Stage::Falls(self.fall(law, limits, now.peak, now.sliding));
+            }
+        }
+        match &mut self.stage {
+            Stage::Rises(_) => 0.0,
+            Stage::Falls(fall) => fall.reach(law, square(stretch).sqrt()),
+        }
+    }
+}
+
+impl Fall {
+    fn new(law: &GlueLaw, peak: f64, energy: f64) -> Self {
+        Self {
+            peak,
+            energy,
+            largest: peak / law.stiffness,
+        }
+    }
+
+    /// λ beyond that of the peak, over E/P, at the largest λ.
+    fn beyond(&self, law: &GlueLaw) -> f64 {
+        ((self.largest - self.peak / law.stiffness) * self.peak / self.energy).max(0.0)
+    }
+
+    /// Traction at the largest λ, Pa.
+    fn strength(&self, law: &GlueLaw) -> f64 {
+        self.peak * law.softening.traction(self.beyond(law))
     }
 
     /// Dissipated so far, J/m²: the area under the traction up to the largest λ, less what is stored there.
@@ -193,12 +334,19 @@ impl Glue {
     }
 
     /// Keeps the largest λ, and returns what that dissipates, J/m².
-    pub fn reach(&mut self, law: &GlueLaw, lambda: f64) -> f64 {
+    fn reach(&mut self, law: &GlueLaw, lambda: f64) -> f64 {
         if lambda <= self.largest {
             return 0.0;
         }
         let before = self.dissipated(law);
         self.largest = lambda;
         self.dissipated(law) - before
+    }
+
+    fn is_sound(&self, law: &GlueLaw) -> bool {
+        let all = [self.peak, self.energy, self.largest];
+        // The quotient was rounded when the glue was made.
+        let least = self.peak / law.stiffness * (1.0 - 1e-12);
+        all.iter().all(|x| *x > 0.0 && x.is_finite()) && self.largest >= least
     }
 }

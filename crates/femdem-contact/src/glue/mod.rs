@@ -5,11 +5,12 @@
 //!
 //! w = ½ S(λ_max) λ² + ½ k_c ⟨g − δ_n⟩² + ½ k_t |δ_t − s|²,   λ² = ⟨δ_n + t_n/k⟩² + |δ_t + τ/k|²
 //!
-//! - The **glue** is born with the traction (t_n, τ) that the facet carries when it is cut, so that nothing jumps. Its secant
-//!   stiffness S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals. Peak and energy
-//!   are its own ([`GlueLimits`]), whatever it is born with: below the peak it rises on its spring first, and breaking
-//!   takes exactly G per area. A corner of a facet that splits after the others, when they have unloaded it, so takes no less than
-//!   they do, and opens no farther.
+//! - The **glue** is born with the traction (t_n, τ) that the facet carries when it is cut, so that nothing jumps: elastic, S = k,
+//!   until its traction reaches its [limits](GlueLimits), in the mode that it has *then*. From there on S = T(λ_max)/λ_max falls
+//!   with the largest λ so far, along a [`Softening`]; it never heals, and breaking takes exactly G of that mode per area, whatever
+//!   it was born with. What was cut by shear so takes G_I if it opens, and a corner that splits after the others of its facet, when they
+//!   have unloaded it, no less than they do.
+//!   Born under pressure, it has no normal traction before the faces have opened so far that they no longer press: g for t_n = −k g.
 //! - The **contact** of the faces, of stiffness k_c, is born with the pressure that the facet carries (g), and with friction that
 //!   carries as much of the shear as it can. Where another law [presses](GlueLaw::presses) faces that overlap, the spring only
 //!   keeps the pressure of the birth: ½ k_c ⟨g − ⟨δ_n⟩⟩² + k_c g ⟨−δ_n⟩, with g that fades once the glue is broken.
@@ -36,7 +37,7 @@
 //! law.check()?;
 //! let a = [Vector3::zeros(), Vector3::x() * 1e-3, Vector3::y() * 1e-3];
 //! let (mut facet, mut lent) = (GluedFacet::new(0.5e-6)?, 0.0);
-//! let limits = GlueLimits { peak: 5e6, energy: law.energies[0] };
+//! let limits = GlueLimits::flat([5e6, 20e6], 0.6); // tensile strength, cohesion, Pa
 //! for q in 0..3 {
 //!     lent += facet.join(q, &law, [5e6, 0.0, 0.0], &limits); // born under a tension of 5 MPa
 //! }
@@ -67,4 +68,5 @@ pub use facet::{GlueLoss, GluedFacet, GluedForces};
 pub use law::{GlueLaw, GlueLimits, mixed_energy, mixed_strength};
 pub use mid_surface::MidSurface;
 pub(crate) use onset::Onset;
+pub use onset::least_compliance;
 pub use softening::Softening;

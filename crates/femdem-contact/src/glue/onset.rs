@@ -1,7 +1,7 @@
 //! Points that hold from the start, until their strength is reached.
 
 use super::facet::{GluedFacet, Point};
-use super::law::{Glue, GlueLaw, inverse_square};
+use super::law::{Glue, GlueLaw, inverse_square, mixed_energy};
 
 /// How a point gave way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,27 +64,28 @@ impl GluedFacet {
 
     /// The energy beyond the peak, over that of the whole fracture, in a mixed mode: s is the part of sliding.
     fn beyond_peak(law: &GlueLaw, strengths: [f64; 2], s: f64) -> f64 {
-        1.0 - 0.5 / (inverse_square(strengths, s) * law.stiffness * of_mode(law, s))
+        let all = mixed_energy(law.energies, law.mix, s);
+        1.0 - 0.5 / (inverse_square(strengths, s) * law.stiffness * all)
     }
 
-    /// A lower bound of it over all modes. Both factors of its last term, 1/peak² and G, are monotonic in s, so that in
-    /// an interval of s their product is at least that of their least values at its ends.
+    /// A lower bound of it over all modes.
     pub(crate) fn least_beyond_peak(law: &GlueLaw, strengths: [f64; 2]) -> f64 {
-        let part = |i: u32| f64::from(i) / f64::from(INTERVALS);
-        let least = |i: u32| {
-            let ends = [part(i), part(i + 1)];
-            let of = |f: &dyn Fn(f64) -> f64| f(ends[0]).min(f(ends[1]));
-            of(&|s| inverse_square(strengths, s)) * of(&|s| of_mode(law, s))
-        };
-        let product = (0..INTERVALS).map(least).fold(f64::INFINITY, f64::min);
-        1.0 - 0.5 / (product * law.stiffness)
+        1.0 - 0.5 / (least_compliance(law.energies, law.mix, strengths) * law.stiffness)
     }
 }
 
-/// Intervals of the part of sliding in [`GluedFacet::least_beyond_peak`].
+/// Intervals of the part of sliding in [`least_compliance`].
 const INTERVALS: u32 = 256;
 
-/// The energy of fracture in a mode, J/m².
-fn of_mode(law: &GlueLaw, s: f64) -> f64 {
-    super::mixed_energy(law.energies, law.mix, s)
+/// A lower bound, over all mixed modes, of the energy of fracture over the square of the strength, G/P², m/Pa. Both 1/P² and G are
+/// monotonic in the part of sliding, so that in an interval of it their product is at least that of their least values at its ends.
+#[must_use]
+pub fn least_compliance(energies: [f64; 2], mix: f64, strengths: [f64; 2]) -> f64 {
+    let part = |i: u32| f64::from(i) / f64::from(INTERVALS);
+    let least = |i: u32| {
+        let ends = [part(i), part(i + 1)];
+        let of = |f: &dyn Fn(f64) -> f64| f(ends[0]).min(f(ends[1]));
+        of(&|s| inverse_square(strengths, s)) * of(&|s| mixed_energy(energies, mix, s))
+    };
+    (0..INTERVALS).map(least).fold(f64::INFINITY, f64::min)
 }

@@ -6,8 +6,8 @@ use super::node::NodeStress;
 use super::star::Star;
 use super::strength::FractureMode;
 use crate::error::FemError;
+use femdem_mesh::Vector3;
 use femdem_mesh::tet::{CrackedMesh, Split};
-use femdem_mesh::{Matrix3, Vector3};
 
 /// The ratio from which a node fails beside an open crack without lying on a cut facet, or without a tetrahedron clearly
 /// on one side of the plane.
@@ -20,12 +20,9 @@ pub struct Cut {
     pub facet: u32,
     /// How it opens.
     pub mode: FractureMode,
-    /// The part of its area that it has in the mean plane of the facets that divide the star of the node, of normal Σ A n: 1 in a
-    /// plane crack, and summed over a zigzag the area of that plane. At least 0.05, so that a facet across it has some way,
-    /// too, to let its traction go.
-    pub flat: f64,
-    /// The part of sliding in the traction of that plane under the stress of the node: τ²/(τ² + ⟨σ_n⟩²).
-    pub sliding: f64,
+    /// Unit normal, of either sign, of the mean plane of the facets that divide the star of the node, Σ A n, in the positions
+    /// given: a facet of normal n has the part |n·m| of its area in that plane of normal m, and a zigzag has the area of the plane.
+    pub plane: Vector3,
 }
 
 /// What a decision found and did.
@@ -129,13 +126,10 @@ impl NodalDecision<'_> {
                 continue;
             };
             let mode = planes.mode();
-            let sliding = sliding(&stress.cauchy, &best.normal);
-            let cuts = best.facets.iter().zip(&best.flat);
-            decision.cuts.extend(cuts.map(|(&facet, &flat)| Cut {
+            decision.cuts.extend(best.facets.iter().map(|&facet| Cut {
                 facet,
                 mode,
-                flat,
-                sliding,
+                plane: best.normal,
             }));
             for split in cracked.cut(&best.facets)? {
                 is_open[cracked.points()[split.node as usize] as usize] = true;
@@ -145,13 +139,4 @@ impl NodalDecision<'_> {
         }
         Ok(())
     }
-}
-
-/// The part of sliding in the traction of a plane under a stress.
-fn sliding(cauchy: &Matrix3, normal: &Vector3) -> f64 {
-    let traction = cauchy * normal;
-    let pull = traction.dot(normal);
-    let shear = (traction - normal * pull).norm_squared();
-    let all = shear + pull.max(0.0).powi(2);
-    if all > 0.0 { shear / all } else { 0.0 }
 }

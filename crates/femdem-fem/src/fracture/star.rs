@@ -13,9 +13,6 @@ const FREE: f64 = 0.35;
 /// How much dearer than one in the plane a facet across it is, over its area.
 const TURNED: f64 = 1.5;
 
-/// The least part of its area that a facet counts with.
-const LEAST: f64 = 0.05;
-
 /// A facet with the node, between two of its tetrahedra.
 struct Link {
     facet: u32,
@@ -39,8 +36,6 @@ pub(super) struct Star {
 pub(super) struct Division {
     pub cost: f64,
     pub facets: Vec<u32>,
-    /// See [`Cut::flat`](super::Cut::flat).
-    pub flat: Vec<f64>,
     /// The normal of the mean plane of all facets between the two sides.
     pub normal: Vector3,
 }
@@ -124,19 +119,15 @@ impl Star {
         let between = between.filter(|(link, _)| parts[link.ends[0]] != parts[link.ends[1]]);
         let between: Vec<(&Link, &Edge)> = between.collect();
         let mean = mean_normal(between.iter().map(|(link, _)| *link), &parts);
-        let mean = mean.unwrap_or(*normal);
         let mut division = Division {
             cost: 0.0,
             facets: Vec::new(),
-            flat: Vec::new(),
-            normal: mean,
+            normal: mean.unwrap_or(*normal),
         };
         for (link, edge) in between {
             division.cost += edge.cost;
             if !link.is_cut {
                 division.facets.push(link.facet);
-                let flat = link.normal.dot(&mean).abs().min(1.0);
-                division.flat.push(flat.max(LEAST));
             }
         }
         Some(division)

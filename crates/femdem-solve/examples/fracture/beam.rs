@@ -256,10 +256,16 @@ impl Beam {
         Ok((world, body, mesh.tets().len()))
     }
 
-    /// The factor of the strength of a node, in the seam or elsewhere.
+    /// The factor of the strength of a node, in the seam or elsewhere. The faces of the notch are not of the seam: there the arms are
+    /// bent most.
     fn seam(&self, p: &Point3) -> f64 {
         let band = if self.rough { 0.9 * self.fine } else { 1e-9 };
-        if p.z.abs() < band { 1.0 } else { STRONGER }
+        let is_ahead = p.x > self.planes[0][self.tip] - 1e-9;
+        if is_ahead && p.z.abs() < band {
+            1.0
+        } else {
+            STRONGER
+        }
     }
 
     /// The facets of the seam that are broken, with their centres.

@@ -13,7 +13,7 @@ use crate::world::deformables::nodal_bound::NodalBound;
 use crate::world::deformables::rest::Rest;
 use crate::world::deformables::{Deformables, Model, Scratch, State, foundation};
 use femdem_contact::deform::{Modulus, NodalLoads};
-use femdem_contact::glue::{GlueLaw, GlueLimits, GluedFacet, mixed_energy, mixed_strength};
+use femdem_contact::glue::{GlueLaw, GlueLimits, GluedFacet, MidSurface};
 use femdem_contact::{BodyId, ContactBatch};
 use femdem_fem::fracture::{Cut, Decision};
 use femdem_fem::{DeformableModel, ElementStress};
@@ -136,15 +136,24 @@ impl World {
     }
 }
 
-/// The limits of a facet that is cut: those of the plane that fails, in its mode, over the part of the facet's area that lies in
-/// that plane. In tension along d a facet askew carries less than the strength, T = |n·d| f, and all of them open equally far; the
-/// sum over a zigzag is about the energy of the plane. The mode stays that of the cut, whichever way the facet opens later.
-fn limits(fracture: &Fracture, cut: &Cut) -> GlueLimits {
-    let strengths = [fracture.strength.tensile(), fracture.strength.cohesion()];
-    GlueLimits {
-        peak: cut.flat * mixed_strength(strengths, cut.sliding),
-        energy: cut.flat * mixed_energy(fracture.energies, fracture.mix, cut.sliding),
+/// The limits of a facet that is cut, whose corners are at these places, m. In tension along d a facet askew carries less than the
+/// strength, T = |n·d| f, and all of them open equally far: the facets of a zigzag bear and take what the plane that fails does, in the
+/// mode of that plane, and each the part that it has of it.
+fn limits(
+    fracture: &Fracture,
+    cut: &Cut,
+    corners: &[Vector3; 3],
+) -> Result<GlueLimits, SolveError> {
+    let strength = &fracture.strength;
+    let strengths = [strength.tensile(), strength.cohesion()];
+    let mut limits = GlueLimits::flat(strengths, strength.friction_angle().tan());
+    if let Some(middle) = MidSurface::new(corners, corners) {
+        let [n, first, second] = middle.axes.map(|axis| axis.dot(&cut.plane));
+        let sign = if n < 0.0 { -1.0 } else { 1.0 };
+        limits.plane = [sign * n, sign * first, sign * second];
     }
+    limits.check()?;
+    Ok(limits)
 }
 
 /// What the faces of a crack have of the body.
@@ -158,10 +167,16 @@ struct Faces {
 }
 
 impl Faces {
-    /// The law of a facet beside elements of a height, m.
+    /// The law of a facet beside elements of a height, m. Where that is more than meshes may have in the mean, it is as stiff as
+    /// at that height, so that no mode rises beyond its energy.
     fn law(&self, fracture: &Fracture, height: f64) -> GlueLaw {
+        let most = if fracture.coarse {
+            f64::INFINITY
+        } else {
+            fracture.largest_height(self.young)
+        };
         GlueLaw {
-            stiffness: fracture.stiffness * self.young / height,
+            stiffness: fracture.stiffness * self.young / height.min(most),
             energies: fracture.energies,
             mix: fracture.mix,
             softening: fracture.softening,
@@ -213,19 +228,21 @@ impl State {
         let Some(cracks) = cracks.as_deref_mut() else {
             return Ok(None);
         };
-        if !found.cuts.is_empty() {
-            cracks.add(model, &found, fracture, faces, time)?;
+        let mut next = None;
+        if !found.splits.is_empty() {
+            // Nodes that are points come first.
+            let cracked = model.cracked(cracks.mesh.mesh(model.mesh().points())?)?;
+            self.split(&cracked, &found, cracks)?;
+            next = Some(cracked);
         }
-        if found.splits.is_empty() {
+        cracks.add(model, &self.positions, &found, fracture, faces, time)?;
+        if next.is_none() {
             return Ok(None);
         }
-        // Nodes that are points come first.
-        let next = model.cracked(cracks.mesh.mesh(model.mesh().points())?)?;
-        self.split(&next, &found, cracks)?;
         cracks.loosened = true;
         cracks.open(&self.positions, &stresses, factors);
         cracks.stiffen(self.positions.len());
-        Ok(Some(next))
+        Ok(next)
     }
 
     /// Splits nodes.
@@ -296,10 +313,12 @@ impl State {
 }
 
 impl CrackState {
-    /// Adds joints for facets that have just been cut, none of whose pairs of nodes is split yet.
+    /// Adds joints for facets that have just been cut, none of whose pairs of nodes is joined yet. `positions` are those of the
+    /// nodes, m.
     fn add(
         &mut self,
         model: &DeformableModel,
+        positions: &[Vector3],
         found: &Decision,
         fracture: &Fracture,
         faces: &Faces,
@@ -317,16 +336,19 @@ impl CrackState {
             let height = 1.5 * volume / area;
             let law = faces.law(fracture, height);
             law.check()?;
+            let sides = self.mesh.sides(cut.facet).unwrap_or([facet.points; 2]);
+            // Both sides are there still.
+            let corners = sides[0].map(|node| positions[node as usize]);
             self.joints.push(Joint {
                 facet: cut.facet,
-                sides: self.mesh.sides(cut.facet).unwrap_or([facet.points; 2]),
+                sides,
                 law,
                 glued: GluedFacet::new(area)?,
                 height,
                 birth: time,
                 end: None,
                 mode: cut.mode,
-                limits: limits(fracture, cut),
+                limits: limits(fracture, cut, &corners)?,
                 taken: 0.0,
             });
         }
@@ -359,10 +381,7 @@ impl CrackState {
             if let Some(traction) = in_axes(&middle, |normal| mean * normal * grown) {
                 for q in new {
                     let factor = factors[self.mesh.points()[first[q] as usize] as usize];
-                    let limits = GlueLimits {
-                        peak: factor * joint.limits.peak,
-                        ..joint.limits
-                    };
+                    let limits = joint.limits.scaled(factor);
                     let lent = joint.glued.join(q, &joint.law, traction, &limits);
                     self.flows.lent += lent;
                     joint.taken -= lent;

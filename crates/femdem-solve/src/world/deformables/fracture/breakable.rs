@@ -111,7 +111,8 @@ fn harmless(model: &Model, fracture: &Fracture, factors: &[f64]) -> f64 {
 
 impl World {
     /// Multiplies the strength of a body that may break at each of its nodes, beside the scatter that it has: seams that are weaker,
-    /// grips that hold. A crack begins where a node fails; its energy stays that of the [`Fracture`].
+    /// grips that hold. A crack begins where a node fails; its energy stays that of the [`Fracture`], but is more where the strength is so high
+    /// that the crack would let go more steeply than it rises.
     ///
     /// # Errors
     /// [`SolveError::NoSuch`] for an unknown body, [`SolveError::CannotBreak`] for one that may not break or is

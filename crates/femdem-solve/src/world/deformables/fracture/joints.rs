@@ -18,7 +18,7 @@ pub(crate) struct Joint {
     /// When it was cut, s.
     pub birth: f64,
     pub mode: FractureMode,
-    /// What its glue bears, but for the factors of the strength at its nodes, and takes.
+    /// What its glue bears, but for the factors of the strength at its nodes.
     pub limits: GlueLimits,
     /// When nothing of its glue was left, s.
     pub end: Option<f64>,
