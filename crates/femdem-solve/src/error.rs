@@ -35,8 +35,8 @@ pub enum SolveError {
     NotRestored,
     /// The elements of a body are too large for cracks in its material.
     #[error(
-        "the elements of a body that may break are {height:.3e} m high in the mean, but the zone in which its cracks open \
-         needs {largest:.3e} m or less: use a mesh with edges of about {edge:.2e} m, or a larger energy of fracture or a lower \
+        "the elements of a body that may break are {height:.3e} m high in the mean, but the zone in which its cracks open or \
+         slide needs {largest:.3e} m or less: use a mesh with edges of about {edge:.2e} m, or a larger energy of fracture or a lower \
          strength, by opening or by sliding, or allow it (coarse), and cracks take more energy than given"
     )]
     TooCoarse {

@@ -48,13 +48,15 @@ pub struct Fracture {
     pub mix: f64,
     /// How the traction of a crack falls.
     pub softening: Softening,
-    /// Scatter of the strength from place to place.
+    /// Scatter of the strength from place to place. Whether a mesh is fine enough is asked for the strength without it: facets of
+    /// places that it makes much stronger may take more energy than given.
     pub scatter: Option<Weibull>,
     /// Steps between two looks at the stresses.
     pub every: u32,
-    /// Stiffness of a new crack over E/h, with Young's modulus E and the height h of the elements beside it.
+    /// Stiffness of a new crack over E/h, with Young's modulus E and the height h of the elements beside it, at most
+    /// [the largest](Self::largest_height) that is right.
     pub stiffness: f64,
-    /// Whether the mesh may be coarser than the [process zone](Self::process_zone) allows: cracks then take more energy than
+    /// Whether elements may be [higher](Self::largest_height) than strength and energy allow: cracks then take more energy than
     /// given.
     pub coarse: bool,
     /// What becomes of the parts into which it falls.
@@ -85,12 +87,15 @@ impl Fracture {
     }
 
     /// The largest height h of elements, m, with which a new crack is lent no more than a tenth of its energy by opening, h/(2 α l),
-    /// and in no mixed mode, of strength P and energy G, rises by more than half of it: P² h/(2 α E) at most G/2.
+    /// and in no mixed mode, of strength P and energy G without pressure, has to fall steeper than it rises: P² h/(2 α E) is at most
+    /// G/(1 + 2 s), with the [first slope](Softening::slope) s of the softening, G/2 for a straight line. The least over modes is
+    /// found to a part of about η/256, too low rather than too high.
     #[must_use]
     pub fn largest_height(&self, young: f64) -> f64 {
         let strengths = [self.strength.tensile(), self.strength.cohesion()];
         let least = least_compliance(self.energies, self.mix, strengths);
-        self.stiffness * (LOAN * 2.0 * self.process_zone(young)).min(young * least)
+        let mixed = 2.0 * young * least / (1.0 + 2.0 * self.softening.slope());
+        self.stiffness * (LOAN * 2.0 * self.process_zone(young)).min(mixed)
     }
 
     /// Checks the numbers.

@@ -192,11 +192,7 @@ fn facets_in_the_plane_of_a_crack_take_their_energy() {
         .unwrap();
     let body = world
         .add_deformable(DeformableSpec {
-            // Too coarse for its cohesion, which nothing here reaches.
-            fracture: Some(Fracture {
-                coarse: true,
-                ..rock([10.0, 10.0])
-            }),
+            fracture: Some(rock([10.0, 50.0])),
             ..DeformableSpec::at_rest(id, Pose::identity())
         })
         .unwrap();

@@ -36,9 +36,9 @@ pub fn mixed_energy(energies: [f64; 2], mix: f64, sliding: f64) -> f64 {
 /// 1/P² = (1 − s)/f² + s/c², where s is the part of sliding.
 #[must_use]
 pub fn mixed_strength(strengths: [f64; 2], sliding: f64) -> f64 {
-    inverse_square(strengths, sliding.clamp(0.0, 1.0))
-        .sqrt()
-        .recip()
+    let s = sliding.clamp(0.0, 1.0);
+    let [opening, across] = [(1.0 - s).sqrt() / strengths[0], s.sqrt() / strengths[1]];
+    opening.hypot(across).recip()
 }
 
 /// One over the square of the strength in a mode, 1/Pa².
@@ -100,9 +100,11 @@ impl GlueLimits {
         self
     }
 
-    /// The part of sliding in a traction (Pa), squared: what does not pull along the normal of the plane.
-    fn sliding(&self, traction: &[f64; 3]) -> f64 {
-        let along: f64 = self.plane.iter().zip(traction).map(|(m, t)| m * t).sum();
+    /// The part of sliding, squared, in the traction of the glue, where the facet is under a pressure, Pa: what does not pull along
+    /// the normal of the plane. All of it, where the pressure pushes that plane shut.
+    fn sliding(&self, traction: &[f64; 3], pressure: f64) -> f64 {
+        let pull: f64 = self.plane.iter().zip(traction).map(|(m, t)| m * t).sum();
+        let along = pull - self.plane[0] * pressure;
         let all = square(traction);
         if all > 0.0 {
             1.0 - (along.max(0.0).powi(2) / all).min(1.0)
@@ -237,7 +239,7 @@ impl Glue {
         pressure: f64,
     ) -> Option<GivesWay> {
         let traction = square(elastic).sqrt();
-        let sliding = limits.sliding(elastic);
+        let sliding = limits.sliding(elastic, pressure);
         let peak = limits.peak(law, sliding, pressure);
         (traction > 0.0 && traction >= peak).then_some(GivesWay {
             traction,
@@ -251,15 +253,17 @@ impl Glue {
     ///
     /// G = ∫ t dλ − T²/(2k) = (P² − T²)/(2k) + E,   λ from 0,
     ///
-    /// so that breaking takes G whatever T is. It falls no steeper than it rises, E >= P²/(2k): elements beside it, whose
-    /// stiffness k is, could not follow. Where that is more, it takes more than G: a facet across the plane that fails, which
-    /// carries more than its part of it, and one of elements too coarse for their strength.
+    /// so that breaking takes G whatever T is. It falls no steeper than it rises, P s P/E <= k with the first slope s of the
+    /// [`Softening`]: elements beside it, whose stiffness k is, could not follow. Where E is more for that, it takes more than G: a
+    /// facet across the plane that fails, which carries more than its part of it, one of elements too coarse for their strength, and
+    /// one that pressure makes as strong.
     fn fall(&self, law: &GlueLaw, limits: &GlueLimits, peak: f64, sliding: f64) -> Fall {
         let [normal, one, two] = self.traction;
         let lent = 0.5 * square(&[normal.max(0.0), one, two]) / law.stiffness;
         let risen = 0.5 * peak * peak / law.stiffness;
         let all = limits.plane[0] * mixed_energy(law.energies, law.mix, sliding);
-        Fall::new(law, peak, (all - risen + lent).max(risen))
+        let least = 2.0 * law.softening.slope() * risen;
+        Fall::new(law, peak, (all - risen + lent).max(least))
     }
 
     /// Secant stiffness S, Pa/m.

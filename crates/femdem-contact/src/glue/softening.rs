@@ -48,6 +48,16 @@ impl Softening {
         }
     }
 
+    /// How fast the traction falls from its peak on: −dy/dx at x = 0, where it is steepest.
+    #[must_use]
+    pub fn slope(self) -> f64 {
+        match self {
+            Self::Linear => 0.5,
+            Self::Exponential => decay() / (1.0 - TAIL),
+            Self::Bilinear => 2.0 / 2.4,
+        }
+    }
+
     /// Where the traction has ended.
     #[must_use]
     pub fn end(self) -> f64 {
@@ -86,7 +96,12 @@ mod tests {
             for k in 0..n {
                 sum += law.traction((f64::from(k) + 0.5) * step) * step;
                 let x = f64::from(k + 1) * step;
-                assert!(law.traction(x) <= before);
+                let fall = (before - law.traction(x)) / step;
+                assert!(
+                    (0.0..=law.slope() * (1.0 + 1e-6)).contains(&fall),
+                    "{law:?} at {x}"
+                );
+                assert!(k > 0 || fall > 0.999 * law.slope());
                 before = law.traction(x);
                 assert!((law.area(x) - sum).abs() < 1e-9, "{law:?} at {x}");
             }

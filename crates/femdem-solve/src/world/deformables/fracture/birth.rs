@@ -168,7 +168,7 @@ struct Faces {
 
 impl Faces {
     /// The law of a facet beside elements of a height, m. Where that is more than meshes may have in the mean, it is as stiff as
-    /// at that height, so that no mode rises beyond its energy.
+    /// at that height, so that no mode without pressure rises beyond its energy.
     fn law(&self, fracture: &Fracture, height: f64) -> GlueLaw {
         let most = if fracture.coarse {
             f64::INFINITY
