@@ -255,8 +255,96 @@ fn bonded_bodies_wake_together_where_a_deformable_one_strikes() {
     }
 }
 
+/// Radius of a ball of a pair, m, and how far apart those may be that are shared.
+const BALL: f64 = 0.02;
+const REACH: f64 = (2.0 * 1.1 + 1.5) * BALL;
+
+/// Bonded balls beside each other that turn about each other in free space, by 10 rad/s.
+fn turning_pair(apart: Vector3, cube: Option<Vector3>) -> World {
+    let parameters = WorldParameters {
+        gravity: Vector3::zeros(),
+        ..WorldParameters::default()
+    };
+    let mut world = World::new(parameters).unwrap();
+    let shape = world.add_sphere("ball", BALL).unwrap();
+    let turn = Vector3::new(0.0, 0.0, 10.0);
+    let bodies = [-0.5, 0.5].map(|side| {
+        let at = side * apart;
+        let spec = BodySpec {
+            velocity: turn.cross(&at),
+            angular_velocity: turn,
+            ..BodySpec::at_rest(shape, 2500.0, Pose::translation(at.x, at.y, at.z))
+        };
+        world.add_body(spec).unwrap()
+    });
+    let section = BondSection::disc(Vector3::zeros(), apart.normalize(), 0.5 * BALL).unwrap();
+    let rubber = BondLaw {
+        stiffness: 1e7,
+        energies: [1e3, 4e3],
+        ..MORTAR
+    };
+    world.add_bond(bodies, &section, rubber).unwrap();
+    if let Some(at) = cube {
+        let model = world.add_model("rubber", rubber_cube(0.1), ContactStiffness::default());
+        let place = Pose::translation(at.x, at.y, at.z);
+        let spec = DeformableSpec::at_rest(model.unwrap(), place);
+        world.add_deformable(spec).unwrap();
+    }
+    world
+}
+
+/// Turns on for so long, s; without its soft body from then on.
+fn turns(world: &mut World, halo: &mut dyn Halo, until: [f64; 2]) {
+    while world.time() < until[0] {
+        world.step_on(halo).unwrap();
+    }
+    if world.count_in_whole() > 2 {
+        world.remove_bodies_on(&[2], halo).unwrap();
+    }
+    while world.time() < until[1] {
+        world.step_on(halo).unwrap();
+    }
+}
+
+/// Bonds that were let in are stretched, or the body leaves that was so large that the balls were near each other beside it.
+#[test]
+fn bonds_that_were_shared_stay_known() {
+    let slanted = Vector3::new(1.0, 1.0, 0.0).normalize();
+    let cube = Vector3::new(-0.5, 0.0, 0.0);
+    for world in [
+        turning_pair(slanted * (REACH * 0.9999), None),
+        turning_pair(slanted * 0.2, Some(cube)),
+    ] {
+        let mut alone = world.clone();
+        turns(&mut alone, &mut Alone, [0.1, 0.3]);
+        let [a, b] = [0, 1].map(|id| alone.position(id).unwrap());
+        assert!((b - a).norm() > REACH, "{:e}", (b - a).norm() - REACH);
+        assert!(!alone.bonds().next().unwrap().1.is_broken());
+        let expected = alone.checksum_of_motion().unwrap();
+        let mut apart = false;
+        for size in [2, 3, 4] {
+            let parts = Threads::each(size, |halo| {
+                let mut world = world.clone();
+                world.share_out(halo).unwrap();
+                turns(&mut world, halo, [0.1, 0.3]);
+                (world.own_bodies(0).count(), world.gather(halo).unwrap())
+            });
+            apart |= parts.iter().all(|(own, _)| *own < 2);
+            let whole = parts.into_iter().next().unwrap().1.unwrap();
+            let found = whole.checksum_of_motion().unwrap();
+            assert_eq!(found, expected, "{size} ranks");
+        }
+        assert!(apart);
+    }
+}
+
 #[test]
 fn bonded_bodies_that_are_far_apart_are_not_shared() {
+    // Along each axis they are near, until they turn.
+    let slanted = Vector3::new(1.0, 1.0, 0.0).normalize() * (1.1 * REACH);
+    let refused = turning_pair(slanted, None).share_out(&mut Alone);
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("farther apart"), "{refused}");
     let mut world = masonry();
     let ball = |x: f64| BodySpec::at_rest(1, 2500.0, Pose::translation(x, 0.08, 0.3));
     let bodies = [0.05, 0.75].map(|x| world.add_body(ball(x)).unwrap());
