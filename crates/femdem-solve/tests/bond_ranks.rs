@@ -259,20 +259,20 @@ fn bonded_bodies_wake_together_where_a_deformable_one_strikes() {
 const BALL: f64 = 0.02;
 const REACH: f64 = (2.0 * 1.1 + 1.5) * BALL;
 
-/// Bonded balls beside each other that turn about each other in free space, by 10 rad/s.
-fn turning_pair(apart: Vector3, cube: Option<Vector3>) -> World {
+/// Bonded balls beside each other in free space, whose velocity and angular velocity are given by their places, m/s and rad/s.
+fn pair(apart: Vector3, motion: impl Fn(Vector3) -> [Vector3; 2], cube: Option<Vector3>) -> World {
     let parameters = WorldParameters {
         gravity: Vector3::zeros(),
         ..WorldParameters::default()
     };
     let mut world = World::new(parameters).unwrap();
     let shape = world.add_sphere("ball", BALL).unwrap();
-    let turn = Vector3::new(0.0, 0.0, 10.0);
     let bodies = [-0.5, 0.5].map(|side| {
         let at = side * apart;
+        let [velocity, angular_velocity] = motion(at);
         let spec = BodySpec {
-            velocity: turn.cross(&at),
-            angular_velocity: turn,
+            velocity,
+            angular_velocity,
             ..BodySpec::at_rest(shape, 2500.0, Pose::translation(at.x, at.y, at.z))
         };
         world.add_body(spec).unwrap()
@@ -293,8 +293,19 @@ fn turning_pair(apart: Vector3, cube: Option<Vector3>) -> World {
     world
 }
 
-/// Turns on for so long, s; without its soft body from then on.
-fn turns(world: &mut World, halo: &mut dyn Halo, until: [f64; 2]) {
+/// Both turn about their middle.
+fn turning(at: Vector3) -> [Vector3; 2] {
+    let turn = Vector3::new(0.0, 0.0, 10.0);
+    [turn.cross(&at), turn]
+}
+
+/// They go apart, along the border between them.
+fn parting(at: Vector3) -> [Vector3; 2] {
+    [Vector3::new(4.0 * at.x, 10.0, 0.0), Vector3::zeros()]
+}
+
+/// Moves on for so long, s; without its soft body from then on.
+fn moves(world: &mut World, halo: &mut dyn Halo, until: [f64; 2]) {
     while world.time() < until[0] {
         world.step_on(halo).unwrap();
     }
@@ -309,14 +320,19 @@ fn turns(world: &mut World, halo: &mut dyn Halo, until: [f64; 2]) {
 /// Bonds that were let in are stretched, or the body leaves that was so large that the balls were near each other beside it.
 #[test]
 fn bonds_that_were_shared_stay_known() {
-    let slanted = Vector3::new(1.0, 1.0, 0.0).normalize();
     let cube = Vector3::new(-0.5, 0.0, 0.0);
-    for world in [
-        turning_pair(slanted * (REACH * 0.9999), None),
-        turning_pair(slanted * 0.2, Some(cube)),
+    for (world, until) in [
+        (
+            pair(Vector3::x() * (0.9999 * REACH), parting, None),
+            [0.003, 0.006],
+        ),
+        (
+            pair(Vector3::new(0.15, 0.15, 0.0), turning, Some(cube)),
+            [0.1, 0.3],
+        ),
     ] {
         let mut alone = world.clone();
-        turns(&mut alone, &mut Alone, [0.1, 0.3]);
+        moves(&mut alone, &mut Alone, until);
         let [a, b] = [0, 1].map(|id| alone.position(id).unwrap());
         assert!((b - a).norm() > REACH, "{:e}", (b - a).norm() - REACH);
         assert!(!alone.bonds().next().unwrap().1.is_broken());
@@ -326,7 +342,7 @@ fn bonds_that_were_shared_stay_known() {
             let parts = Threads::each(size, |halo| {
                 let mut world = world.clone();
                 world.share_out(halo).unwrap();
-                turns(&mut world, halo, [0.1, 0.3]);
+                moves(&mut world, halo, until);
                 (world.own_bodies(0).count(), world.gather(halo).unwrap())
             });
             apart |= parts.iter().all(|(own, _)| *own < 2);
@@ -342,7 +358,7 @@ fn bonds_that_were_shared_stay_known() {
 fn bonded_bodies_that_are_far_apart_are_not_shared() {
     // Along each axis they are near, until they turn.
     let slanted = Vector3::new(1.0, 1.0, 0.0).normalize() * (1.1 * REACH);
-    let refused = turning_pair(slanted, None).share_out(&mut Alone);
+    let refused = pair(slanted, turning, None).share_out(&mut Alone);
     let refused = refused.unwrap_err().to_string();
     assert!(refused.contains("farther apart"), "{refused}");
     let mut world = masonry();

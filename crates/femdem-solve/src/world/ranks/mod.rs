@@ -174,7 +174,8 @@ impl World {
     /// [`step_on`](Self::step_on) advances it.
     ///
     /// The ids of its bodies are local from then on, until bodies are next dealt: [`number_in_whole`](Self::number_in_whole) is
-    /// the number that a body had here.
+    /// the number that a body had here. The ids of models that were added after a body had cracked may change, too, since the models
+    /// that such bodies have alone come after all others.
     ///
     /// # Errors
     /// [`SolveError::Ranks`] for what cannot be shared: bodies that a host moves, bonded bodies that
