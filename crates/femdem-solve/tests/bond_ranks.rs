@@ -255,8 +255,112 @@ fn bonded_bodies_wake_together_where_a_deformable_one_strikes() {
     }
 }
 
+/// Radius of a ball of a pair, m, and how far apart those may be that are shared.
+const BALL: f64 = 0.02;
+const REACH: f64 = (2.0 * 1.1 + 1.5) * BALL;
+
+/// Bonded balls beside each other in free space, whose velocity and angular velocity are given by their places, m/s and rad/s.
+fn pair(apart: Vector3, motion: impl Fn(Vector3) -> [Vector3; 2], cube: Option<Vector3>) -> World {
+    let parameters = WorldParameters {
+        gravity: Vector3::zeros(),
+        ..WorldParameters::default()
+    };
+    let mut world = World::new(parameters).unwrap();
+    let shape = world.add_sphere("ball", BALL).unwrap();
+    let bodies = [-0.5, 0.5].map(|side| {
+        let at = side * apart;
+        let [velocity, angular_velocity] = motion(at);
+        let spec = BodySpec {
+            velocity,
+            angular_velocity,
+            ..BodySpec::at_rest(shape, 2500.0, Pose::translation(at.x, at.y, at.z))
+        };
+        world.add_body(spec).unwrap()
+    });
+    let section = BondSection::disc(Vector3::zeros(), apart.normalize(), 0.5 * BALL).unwrap();
+    let rubber = BondLaw {
+        stiffness: 1e7,
+        energies: [1e3, 4e3],
+        ..MORTAR
+    };
+    world.add_bond(bodies, &section, rubber).unwrap();
+    if let Some(at) = cube {
+        let model = world.add_model("rubber", rubber_cube(0.1), ContactStiffness::default());
+        let place = Pose::translation(at.x, at.y, at.z);
+        let spec = DeformableSpec::at_rest(model.unwrap(), place);
+        world.add_deformable(spec).unwrap();
+    }
+    world
+}
+
+/// Both turn about their middle.
+fn turning(at: Vector3) -> [Vector3; 2] {
+    let turn = Vector3::new(0.0, 0.0, 10.0);
+    [turn.cross(&at), turn]
+}
+
+/// They go apart, along the border between them.
+fn parting(at: Vector3) -> [Vector3; 2] {
+    [Vector3::new(4.0 * at.x, 10.0, 0.0), Vector3::zeros()]
+}
+
+/// Moves on for so long, s; without its soft body from then on.
+fn moves(world: &mut World, halo: &mut dyn Halo, until: [f64; 2]) {
+    while world.time() < until[0] {
+        world.step_on(halo).unwrap();
+    }
+    if world.count_in_whole() > 2 {
+        world.remove_bodies_on(&[2], halo).unwrap();
+    }
+    while world.time() < until[1] {
+        world.step_on(halo).unwrap();
+    }
+}
+
+/// Bonds that were let in are stretched, or the body leaves that was so large that the balls were near each other beside it.
+#[test]
+fn bonds_that_were_shared_stay_known() {
+    let cube = Vector3::new(-0.5, 0.0, 0.0);
+    for (world, until) in [
+        (
+            pair(Vector3::x() * (0.9999 * REACH), parting, None),
+            [0.003, 0.006],
+        ),
+        (
+            pair(Vector3::new(0.15, 0.15, 0.0), turning, Some(cube)),
+            [0.1, 0.3],
+        ),
+    ] {
+        let mut alone = world.clone();
+        moves(&mut alone, &mut Alone, until);
+        let [a, b] = [0, 1].map(|id| alone.position(id).unwrap());
+        assert!((b - a).norm() > REACH, "{:e}", (b - a).norm() - REACH);
+        assert!(!alone.bonds().next().unwrap().1.is_broken());
+        let expected = alone.checksum_of_motion().unwrap();
+        let mut apart = false;
+        for size in [2, 3, 4] {
+            let parts = Threads::each(size, |halo| {
+                let mut world = world.clone();
+                world.share_out(halo).unwrap();
+                moves(&mut world, halo, until);
+                (world.own_bodies(0).count(), world.gather(halo).unwrap())
+            });
+            apart |= parts.iter().all(|(own, _)| *own < 2);
+            let whole = parts.into_iter().next().unwrap().1.unwrap();
+            let found = whole.checksum_of_motion().unwrap();
+            assert_eq!(found, expected, "{size} ranks");
+        }
+        assert!(apart);
+    }
+}
+
 #[test]
 fn bonded_bodies_that_are_far_apart_are_not_shared() {
+    // Along each axis they are near, until they turn.
+    let slanted = Vector3::new(1.0, 1.0, 0.0).normalize() * (1.1 * REACH);
+    let refused = pair(slanted, turning, None).share_out(&mut Alone);
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("farther apart"), "{refused}");
     let mut world = masonry();
     let ball = |x: f64| BodySpec::at_rest(1, 2500.0, Pose::translation(x, 0.08, 0.3));
     let bodies = [0.05, 0.75].map(|x| world.add_body(ball(x)).unwrap());

@@ -83,8 +83,8 @@ impl World {
     /// moment, like those of walls and driven bodies. It may [touch itself](Self::set_self_contact).
     ///
     /// # Errors
-    /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for a pose or velocity
-    /// that is not finite, [`SolveError::BodyFailed`] if an element has no stress; for a body with a
+    /// [`SolveError::NoSuch`] for an unknown model, [`SolveError::Parameter`] for the model that a body which has cracked has alone, and
+    /// for a pose or velocity that is not finite, [`SolveError::BodyFailed`] if an element has no stress; for a body with a
     /// [`fracture`](DeformableSpec::fracture) also [`SolveError::TooCoarse`] and [`SolveError::CannotBreak`].
     pub fn add_deformable(&mut self, spec: DeformableSpec) -> Result<BodyId, SolveError> {
         let gravity = self.parameters.gravity;
@@ -101,6 +101,13 @@ impl World {
                 count,
             });
         };
+        if model.edge.is_some() {
+            return Err(SolveError::Parameter {
+                name: "the model of a new body",
+                value: f64::from(spec.model),
+                allowed: "one that was added: a body that has cracked has this one alone",
+            });
+        }
         let mut state = State::new(&spec, &model.model, time)?;
         let body = self.batch.len();
         state.bound = model
@@ -320,14 +327,7 @@ impl Deformables {
             } else {
                 0
             };
-            let lengths = [
-                body.positions.len(),
-                body.velocities.len(),
-                body.inverse_masses.len(),
-                body.strain_forces.len(),
-                body.loads.len(),
-            ];
-            if lengths.iter().any(|length| *length != nodes) {
+            if !body.has_nodes(nodes) {
                 return Err(inconsistent(format!(
                     "deformable body {index} has {nodes} nodes, but not as many of all that belongs to them"
                 )));

@@ -5,6 +5,7 @@ use crate::error::SolveError;
 use crate::world::World;
 use femdem_contact::deform::DeformableShape;
 use femdem_contact::{BodyId, BodyRecord, ContactBatch};
+use femdem_fem::material::AnyMaterial;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -54,10 +55,38 @@ impl World {
         all.filter(|(id, state, _)| !state.is_vacant() && !self.is_guest(*id))
     }
 
+    /// The name of a custom law of a body that may break, or has: models that bodies have alone travel, and custom laws do not.
+    pub(in crate::world) fn custom_law_that_breaks(&self) -> Option<&str> {
+        let breaks =
+            |state: &State, model: &Model| state.breakable.is_some() || model.edge.is_some();
+        let mut own = self
+            .own_nodes()
+            .filter(|(_, state, model)| breaks(state, model));
+        own.find_map(|(_, _, model)| {
+            let regions = model.model.regions();
+            regions.iter().find_map(|region| custom(&region.material))
+        })
+    }
+
+    /// The number of the tetrahedra of a deformable body.
+    pub(in crate::world) fn tets_of(&self, id: BodyId) -> Option<usize> {
+        let number = self.nodes_of(id)?.model as usize;
+        Some(self.deformables.as_deref()?.models[number].count_of_tets())
+    }
+
     /// The state of a deformable body.
     pub(in crate::world) fn nodes_of(&self, id: BodyId) -> Option<&State> {
         let state = self.deformables.as_deref()?.bodies.get(id as usize);
         state.filter(|state| !state.is_vacant())
+    }
+}
+
+/// The name of a law from outside.
+fn custom(law: &AnyMaterial) -> Option<&str> {
+    match law {
+        AnyMaterial::Custom(custom) => Some(custom.name()),
+        AnyMaterial::Viscous(viscous) => custom(viscous.law()),
+        _ => None,
     }
 }
 
@@ -155,14 +184,19 @@ impl Soft {
 }
 
 impl Model {
+    /// The number of its tetrahedra.
+    pub(in crate::world) fn count_of_tets(&self) -> usize {
+        self.model.mesh().tets().len()
+    }
+
     /// About how many numbers it has.
     fn weight(&self) -> usize {
-        NUMBERS_OF_TET * self.model.mesh().tets().len()
+        NUMBERS_OF_TET * self.count_of_tets()
     }
 
     /// What a body of it costs in a step, ns.
     pub(in crate::world) fn costs(&self) -> u64 {
-        COST * self.model.mesh().tets().len() as u64
+        COST * self.count_of_tets() as u64
     }
 }
 
@@ -171,6 +205,25 @@ impl State {
     pub(in crate::world) fn middle(&self) -> Vector3 {
         let sum: Vector3 = self.positions.iter().sum();
         sum / self.positions.len().max(1) as f64
+    }
+
+    /// Whether it has so many nodes, and as many of all that belongs to them.
+    pub(super) fn has_nodes(&self, count: usize) -> bool {
+        let lengths = [
+            self.positions.len(),
+            self.velocities.len(),
+            self.inverse_masses.len(),
+            self.strain_forces.len(),
+            self.loads.len(),
+        ];
+        lengths == [count; 5]
+    }
+
+    /// Whether what came can be the state of a guest of a model that it alone has, of so many tetrahedra.
+    pub(in crate::world) fn is_of_guest(&self, model: &Model, tets: usize) -> bool {
+        let fits = model.edge.is_some() && model.count_of_tets() == tets;
+        let nodes = self.has_nodes(model.model.nodes().len());
+        fits && nodes && self.breakable.is_none() && self.boundary.check(&model.model).is_ok()
     }
 
     /// As a guest has it: whether it breaks is its owner's business.

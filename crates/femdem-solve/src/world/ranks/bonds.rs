@@ -1,5 +1,6 @@
 //! Bonds over ranks: both bodies must be known wherever one of them is.
 
+use crate::body::Body;
 use crate::error::SolveError;
 use crate::halo::Alone;
 use crate::world::World;
@@ -8,22 +9,39 @@ use femdem_contact::bond::Bond;
 
 impl World {
     /// Refuses bonds, of a world that has all bodies, over gaps so wide that the rank of one body might not know the other, wherever
-    /// borders are.
+    /// borders are and however a pair turns. Bonds that are shared stay known: see [`Whole::bonded`](super::Whole).
     pub(super) fn check_bonds(&self) -> Result<(), SolveError> {
         let mut alive = self.live_bonds().peekable();
         if alive.peek().is_none() {
             return Ok(());
         }
-        let reach = self.reach(self.largest_radius(&mut Alone)?);
+        let [largest, _] = self.lengths(&mut Alone)?;
+        let reach = self.reach(largest);
         for bond in alive {
-            let [a, b] = bond.bodies();
-            let [first, second] = [a, b].map(|id| &self.bodies[id as usize]);
-            let apart = (first.position - second.position).amax();
-            if apart > reach(first.radius.min(second.radius)) {
-                return Err(too_far([a, b]));
+            let [first, second] = self.bodies_of_bond(bond);
+            if self.length_of(bond) > reach(first.radius.min(second.radius)) {
+                return Err(too_far(bond.bodies()));
             }
         }
         Ok(())
+    }
+
+    /// The largest distance of the bodies of a bond that has not ended, m. Over ranks each bond is known whole where one of its
+    /// bodies is.
+    pub(super) fn longest_bond(&self) -> f64 {
+        self.live_bonds()
+            .map(|bond| self.length_of(bond))
+            .fold(0.0, f64::max)
+    }
+
+    /// The distance of the bodies of a bond, m.
+    fn length_of(&self, bond: &Bond) -> f64 {
+        let [first, second] = self.bodies_of_bond(bond);
+        (first.position - second.position).norm()
+    }
+
+    fn bodies_of_bond(&self, bond: &Bond) -> [&Body; 2] {
+        bond.bodies().map(|id| &self.bodies[id as usize])
     }
 
     /// By number, the bonds of a body that have not ended.

@@ -66,15 +66,19 @@ impl World {
                 self.numbers_of_soft(&link.lent),
             ))?);
         }
-        let with: Vec<usize> = share.links.iter().map(|link| link.rank).collect();
-        for (link, bytes) in share.links.iter().zip(halo.swap(&with, messages)?) {
+        for (link, bytes) in share.links.iter().zip(share.exchange(messages, halo)?) {
             let (told, numbers): (Vec<(BodyId, Model, State)>, Vec<u8>) =
                 checkpoint::decode(&bytes)?;
             for (number, model, mut state) in told {
                 let id = guest(share, &link.guests, number)?;
-                let Some(nodes) = self.deformables.as_mut().and_then(|d| d.nodes_mut(id)) else {
+                let known = self.tets_of(id);
+                let nodes = self.deformables.as_mut().and_then(|d| d.nodes_mut(id));
+                let (Some(tets), Some(nodes)) = (known, nodes) else {
                     return Err(unknown(number));
                 };
+                if !state.is_of_guest(&model, tets) {
+                    return Err(unfit(number));
+                }
                 state.model = nodes.model;
                 *nodes = state;
                 cracked.push((id, model));
@@ -82,6 +86,9 @@ impl World {
             self.place_soft_guests(&link.guests, &numbers)?;
         }
         cracked.sort_by_key(|(id, _)| *id);
+        if let Some(twice) = cracked.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            return Err(unfit(share.numbers[twice[0].0 as usize]));
+        }
         Ok(())
     }
 
@@ -102,7 +109,7 @@ impl World {
     /// own ones that are given go to their guests, those of guests are added; numbers here may be others from then on.
     pub(in crate::world) fn tell_fallen(
         &mut self,
-        fallen: Fallen,
+        mut fallen: Fallen,
         halo: &mut dyn Halo,
     ) -> Result<(Fallen, Vec<Fragmentation>), SolveError> {
         let Some(share) = self.share.as_deref() else {
@@ -119,27 +126,34 @@ impl World {
         let mut all: BTreeMap<BodyId, usize> = BTreeMap::new();
         for (_, bytes) in halo.send(to_all.collect())? {
             let own: Vec<(BodyId, usize)> = checkpoint::decode(&bytes)?;
-            all.extend(own);
+            for (number, count) in own {
+                let is_there = share.whole.names(number) && count > 1;
+                if !is_there || all.insert(number, count).is_some() {
+                    return Err(unfit(number));
+                }
+            }
         }
         let mut messages = Vec::new();
         for link in &share.links {
-            let lent = fallen.iter();
+            let lent = fallen.iter_mut();
             let lent = lent.filter(|(id, _)| link.lent.binary_search(id).is_ok());
             let mut told = Vec::new();
             for (id, parts) in lent {
-                let parts = parts.iter().map(Fragment::to_guest);
+                let parts = parts.iter_mut().map(Fragment::as_guest);
                 told.push((named(*id), parts.collect::<Vec<_>>()));
             }
             messages.push(checkpoint::encode(&told)?);
         }
-        let with: Vec<usize> = share.links.iter().map(|link| link.rank).collect();
         let mut here: Fallen = Vec::new();
-        for (link, bytes) in share.links.iter().zip(halo.swap(&with, messages)?) {
+        for (link, bytes) in share.links.iter().zip(share.exchange(messages, halo)?) {
             let told: Vec<(BodyId, Vec<GuestFragment>)> = checkpoint::decode(&bytes)?;
             for (number, parts) in told {
                 guest(share, &link.guests, number)?;
                 let parts = parts.into_iter().map(Fragment::of_guest);
-                here.push((number, parts.collect::<Result<_, _>>()?));
+                let parts: Option<Vec<Fragment>> = parts.collect::<Result<_, _>>()?;
+                let counted = |parts: &Vec<Fragment>| all.get(&number) == Some(&parts.len());
+                let parts = parts.filter(counted).ok_or_else(|| unfit(number))?;
+                here.push((number, parts));
             }
         }
         let own = fallen.into_iter();
@@ -209,6 +223,13 @@ fn guest(share: &Share, guests: &[BodyId], number: BodyId) -> Result<BodyId, Sol
     let id = id.map(|id| id as BodyId);
     let id = id.filter(|id| guests.binary_search(id).is_ok());
     id.ok_or_else(|| unknown(number))
+}
+
+/// What came about a body does not fit together.
+fn unfit(number: BodyId) -> SolveError {
+    ranks(&format!(
+        "a message came about cracks or parts of body {number} that cannot be"
+    ))
 }
 
 fn unknown(number: BodyId) -> SolveError {

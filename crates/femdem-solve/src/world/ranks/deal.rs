@@ -113,7 +113,7 @@ impl World {
             let map = self.map(&cuts);
             let of_portion = portion.members.iter();
             owners.extend(of_portion.map(|member| (member.number, map.owner(&member.place()))));
-            own.join(self.pass_on((&cuts, whole.largest), portion, &owners, halo)?);
+            own.join(self.pass_on((&cuts, &whole), portion, &owners, halo)?);
         }
         own.members.sort_by_key(|member| member.number);
         self.leave_books(halo);
@@ -172,7 +172,7 @@ impl World {
         } else if is_uneven || cuts.are_to_first() {
             cuts = Cuts::find(&costs, halo)?;
         }
-        whole.largest = self.largest_radius(halo)?;
+        [whole.largest, whole.bonded] = self.lengths(halo)?;
         whole.edges = self.edges(whole.way(), halo)?;
         let (parts, guests) = self.take_apart()?;
         let map = self.map(&cuts);
@@ -180,7 +180,7 @@ impl World {
         let own = own.map(|member| (member.number, map.owner(&member.place())));
         let guests = guests.iter().map(|(number, x)| (*number, map.owner(x)));
         let owners = own.chain(guests).collect();
-        let parts = self.pass_on((&cuts, whole.largest), parts, &owners, halo)?;
+        let parts = self.pass_on((&cuts, &whole), parts, &owners, halo)?;
         self.keep(cuts, whole, parts, halo)
     }
 
@@ -267,31 +267,38 @@ impl World {
         Map { cuts, cell }
     }
 
-    /// The largest radius of all shapes and of the deformable bodies of all ranks, m.
-    pub(super) fn largest_radius(&self, halo: &mut dyn Halo) -> Result<f64, SolveError> {
+    /// As [`reach`](Self::reach), and so far that the owner of a bonded body knows the other one, too.
+    pub(super) fn reach_in(&self, whole: &Whole) -> impl Fn(f64) -> f64 + use<> {
+        let (reach, bonded) = (self.reach(whole.largest), whole.bonded);
+        // Whatever is rounded.
+        move |radius| reach(radius).max(bonded * (1.0 + 1e-12))
+    }
+
+    /// The largest radius of all shapes and of the deformable bodies of all ranks, and the distance of the bodies of their longest
+    /// bond, m.
+    pub(super) fn lengths(&self, halo: &mut dyn Halo) -> Result<[f64; 2], SolveError> {
         let radii = self.batch.shapes().iter().map(|shape| shape.radius());
         let rigid = radii.fold(0.0, f64::max);
-        if self.deformables.is_none() {
-            return Ok(rigid);
-        }
         let soft = self.own_nodes().map(|(id, nodes, _)| {
             let [_, reach] = self.batch.way_and_reach(id).unwrap_or_default();
             nodes.radius().max(reach)
         });
-        let mut least = [-soft.fold(rigid, f64::max)];
-        halo.least(&mut least)?;
-        Ok(-least[0])
+        let mut least = [-soft.fold(rigid, f64::max), -self.longest_bond()];
+        if self.deformables.is_some() || self.shares_bonds() {
+            halo.least(&mut least)?;
+        }
+        Ok(least.map(|least| -least))
     }
 
     /// Sends the bodies to their owners and to those near them, and the pairs to the owners of their bodies, which are known.
     fn pass_on(
         &self,
-        (cuts, largest): (&Cuts, f64),
+        (cuts, whole): (&Cuts, &Whole),
         parts: Parts,
         owners: &BTreeMap<BodyId, usize>,
         halo: &mut dyn Halo,
     ) -> Result<Parts, SolveError> {
-        let reach = self.reach(largest);
+        let reach = self.reach_in(whole);
         let map = self.map(cuts);
         let mut bags: BTreeMap<usize, Parts> = BTreeMap::new();
         for mut member in parts.members {
@@ -343,8 +350,7 @@ impl World {
         parts: Parts,
         halo: &dyn Halo,
     ) -> Result<(), SolveError> {
-        let largest = whole.largest;
-        let (rank, reach, way) = (halo.rank(), self.reach(largest), whole.way());
+        let (rank, reach, way) = (halo.rank(), self.reach_in(&whole), whole.way());
         let mut links: BTreeMap<usize, (Vec<BodyId>, Vec<BodyId>)> = BTreeMap::new();
         let (mut kept, mut until) = (Vec::new(), Vec::new());
         let map = self.map(&cuts);

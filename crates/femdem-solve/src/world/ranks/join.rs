@@ -11,6 +11,9 @@ use femdem_contact::BodyId;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+/// Free numbers, the lowest, that get places at a time: lists are made anew for them, and the others would be idle in them.
+const ROOMS: usize = 64;
+
 /// Whose a new body is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::world) enum Whose {
@@ -25,7 +28,8 @@ pub(in crate::world) enum Whose {
 }
 
 impl World {
-    /// Gives a new body the lowest number that is free in the whole, and a place here if it is kept: all free numbers get one then.
+    /// Gives a new body the lowest number that is free in the whole, and a place here if it is kept: as many free numbers as are
+    /// [given together](ROOMS) get one then.
     pub(in crate::world) fn enlist(&mut self, body: &Body) -> Result<Whose, SolveError> {
         let Some(share) = self.share.as_deref() else {
             return Ok(Whose::Only);
@@ -37,7 +41,7 @@ impl World {
         };
         let number = free.unwrap_or(total);
         let map = self.map(&share.cuts);
-        let reach = self.reach(share.whole.largest);
+        let reach = self.reach_in(&share.whole);
         let (owner, near) = (
             map.owner(&body.position),
             map.near(&body.position, reach(body.radius)),
@@ -45,7 +49,7 @@ impl World {
         let is_kept = near.contains(&rank);
         let away = share.whole.edges.away(self.cell(), &body.position);
         if free.is_some() && is_kept && share.numbers.binary_search(&number).is_err() {
-            let rooms = share.whole.vacant.clone();
+            let rooms: Vec<BodyId> = share.whole.vacant.iter().take(ROOMS).copied().collect();
             self.make_room(&rooms)?;
         }
         let Some(share) = self.share.as_deref_mut() else {

@@ -66,6 +66,8 @@ pub(super) struct Whole {
     vacant: Vec<BodyId>,
     /// The largest radius of all bodies and shapes when they were dealt, m.
     largest: f64,
+    /// The largest distance of the bodies of a bond that had not ended then, m.
+    bonded: f64,
     /// The edges of the periodic cell at that time.
     edges: Edges,
     /// How bodies are driven, and nodes of deformable ones: functions of time.
@@ -83,9 +85,14 @@ impl Whole {
         WAY * self.largest
     }
 
+    /// Whether a number names a body.
+    fn names(&self, number: BodyId) -> bool {
+        number < self.total && self.vacant.binary_search(&number).is_err()
+    }
+
     /// Of a world that has all bodies.
     fn of(world: &World, halo: &mut dyn Halo) -> Result<Self, SolveError> {
-        let largest = world.largest_radius(halo)?;
+        let [largest, bonded] = world.lengths(halo)?;
         let total = world.bodies.len() as BodyId;
         let vacant = (0..total).filter(|id| !world.batch.contains(*id));
         let mut guides: Vec<Guide> = Vec::new();
@@ -105,6 +112,7 @@ impl Whole {
             total,
             vacant: vacant.collect(),
             largest,
+            bonded,
             edges: world.edges(WAY * largest, halo)?,
             guides,
             boundaries: boundaries.filter(will_move).cloned().collect(),
@@ -166,11 +174,12 @@ impl World {
     /// [`step_on`](Self::step_on) advances it.
     ///
     /// The ids of its bodies are local from then on, until bodies are next dealt: [`number_in_whole`](Self::number_in_whole) is
-    /// the number that a body had here.
+    /// the number that a body had here. The ids of models that were added after a body had cracked may change, too, since the models
+    /// that such bodies have alone come after all others.
     ///
     /// # Errors
     /// [`SolveError::Ranks`] for what cannot be shared: bodies that a host moves, bonded bodies that
-    /// are far apart, and [friction that begins](Self::begin_friction); if the worlds of the ranks differ, or their programs; and what `halo` reports.
+    /// are far apart, bodies that break under custom laws, and [friction that begins](Self::begin_friction); if the worlds of the ranks differ, or their programs; and what `halo` reports.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), SolveError> {
         self.share_out_with(&(), halo)
     }
@@ -282,6 +291,13 @@ impl World {
                     why: format!("a world with {what} cannot be shared out: run it on one rank"),
                 });
             }
+        }
+        if let Some(law) = self.custom_law_that_breaks() {
+            return Err(SolveError::Ranks {
+                why: format!(
+                    "a world with bodies that break under the custom law \"{law}\" cannot be shared out, since that law does not travel: run it on one rank"
+                ),
+            });
         }
         self.check_bonds()
     }

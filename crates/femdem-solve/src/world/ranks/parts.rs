@@ -352,12 +352,12 @@ impl Share {
         });
         let mut guides = self.whole.guides.iter();
         let guided = guides.all(|guide| guide.drive().is_some() && guide.validate().is_ok());
-        let vacant = |number: BodyId| self.whole.vacant.binary_search(&number).is_ok();
-        let is_there = |number: BodyId| number < self.whole.total && !vacant(number);
+        let is_there = |number| self.whole.names(number);
         let mut bonds = self.ended.iter();
         let ended = bonds.all(|pair| has_ended(pair) && bodies_of(pair).all(is_there));
         self.cuts.is_sound()
             && is_length(self.whole.largest)
+            && is_length(self.whole.bonded)
             && self.whole.edges.is_sound()
             && lasting
             && ended
@@ -402,8 +402,9 @@ mod tests {
             World::from_bytes(&world.to_bytes().unwrap())
         };
         assert!(read(|_| {}).is_ok());
-        let changes: [fn(&mut Share); 12] = [
+        let changes: [fn(&mut Share); 13] = [
             |share| share.whole.largest = f64::NAN,
+            |share| share.whole.bonded = f64::NAN,
             |share| share.until[0].away[1] = f64::NAN,
             |share| share.until[1].travelled = f64::INFINITY,
             |share| share.until[1].radius = -1.0,

@@ -13,6 +13,23 @@ use femdem_mesh::{Rotation, Vector3};
 /// Numbers of a moving rigid body: position, orientation, velocity, angular momentum and travel.
 const NUMBERS: usize = 14;
 
+impl Share {
+    /// Sends the other rank of each link a message, and returns as many that come.
+    pub(super) fn exchange(
+        &self,
+        messages: Vec<Vec<u8>>,
+        halo: &mut dyn Halo,
+    ) -> Result<Vec<Vec<u8>>, SolveError> {
+        let with: Vec<usize> = self.links.iter().map(|link| link.rank).collect();
+        let received = halo.swap(&with, messages)?;
+        if received.len() == with.len() {
+            Ok(received)
+        } else {
+            Err(ranks("a message is missing"))
+        }
+    }
+}
+
 impl World {
     /// Whether the guests of a body follow it: one that is driven moves everywhere by itself.
     fn is_followed(&self, id: BodyId) -> bool {
@@ -127,14 +144,8 @@ impl World {
         halo: &mut dyn Halo,
         message: impl Fn(&Self, &[BodyId]) -> Vec<u8>,
     ) -> Result<Vec<Vec<u8>>, SolveError> {
-        let with: Vec<usize> = share.links.iter().map(|link| link.rank).collect();
         let messages = share.links.iter().map(|link| message(self, &link.lent));
-        let received = halo.swap(&with, messages.collect())?;
-        if received.len() == with.len() {
-            Ok(received)
-        } else {
-            Err(ranks("a message is missing"))
-        }
+        share.exchange(messages.collect(), halo)
     }
 
     /// Adds the numbers of a body that its guests need to follow it: see [`NUMBERS`] and [`State::add_numbers`].

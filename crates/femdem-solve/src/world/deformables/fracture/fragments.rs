@@ -46,22 +46,22 @@ pub(in crate::world) type GuestFragment = (Model, State, Vec<u32>);
 
 impl Fragment {
     /// What goes to the guests of the body.
-    pub fn to_guest(&self) -> GuestFragment {
-        let state = State {
-            breakable: None,
-            ..self.state.clone()
-        };
+    pub fn as_guest(&mut self) -> GuestFragment {
+        let state = self.state.as_guest();
         (self.model.clone(), state, self.tets.clone())
     }
 
-    /// That of a guest.
-    pub fn of_guest((model, state, tets): GuestFragment) -> Result<Self, SolveError> {
-        Ok(Self {
+    /// That of a guest; `None` for what came and does not fit together.
+    pub fn of_guest((model, state, tets): GuestFragment) -> Result<Option<Self>, SolveError> {
+        if !state.is_of_guest(&model, tets.len()) {
+            return Ok(None);
+        }
+        Ok(Some(Self {
             shape: Arc::new(model.shape()?),
             model,
             state,
             tets,
-        })
+        }))
     }
 }
 
