@@ -34,6 +34,9 @@ const SOFT_RUNS: [[usize; 2]; 3] = [[1, 1], [2, 1], [4, 1]];
 
 const OTHER_RUNS: [[usize; 2]; 2] = [[2, 1], [3, 1]];
 
+/// Tables of the end of a run where bodies may break.
+const TABLES: [&str; 3] = ["cracks.vtp", "fragments.csv", "events.csv"];
+
 /// Steps after which one run is stopped, to go on with another number of ranks.
 const STOP: &str = "600";
 const SOFT_STOP: &str = "200";
@@ -68,8 +71,8 @@ const COSTS_AND_BOOKS: [&str; 11] = [
     "ledger_error_relative",
 ];
 
-/// Builds the program, and compares every file of the frames of its runs, and of its packs, with those of `femdem`; returns
-/// whether all are the same.
+/// Builds the program, and compares every file of the frames of its runs, their tables of cracks, and every file of its packs, with
+/// those of `femdem`; returns whether all are the same.
 ///
 /// # Errors
 /// When it cannot be built, or MPI is missing and cannot be installed.
@@ -140,13 +143,13 @@ fn runs_are_same(
         let mut command = over(ranks, &mpi);
         command.arg("run").arg(scene).arg("--out").arg(&out);
         command.args(["--threads", &threads.to_string()]);
-        good &= passed(&mut command)? && same(&alone, &out, "frames")?;
+        good &= passed(&mut command)? && are_same_runs(&alone, &out)?;
     }
     let out = place.join("restart");
     let mut command = over(4, &mpi);
     command.arg("run").arg(scene).arg("--out").arg(&out);
     good &= passed(command.args(["--steps", stop]))?;
-    good &= passed(over(3, &mpi).arg("resume").arg(&out))? && same(&alone, &out, "frames")?;
+    good &= passed(over(3, &mpi).arg("resume").arg(&out))? && are_same_runs(&alone, &out)?;
     Ok(good)
 }
 
@@ -191,6 +194,19 @@ fn over(ranks: usize, program: &Path) -> Command {
         .args(["--oversubscribe", "-n", &ranks.to_string()])
         .arg(program);
     command
+}
+
+/// Whether two runs have the same frames, and the same tables if any.
+fn are_same_runs(a: &Path, b: &Path) -> Result<bool> {
+    let mut good = same(a, b, "frames")?;
+    for name in TABLES {
+        let [own, other] = [a, b].map(|run| fs::read(run.join(name)).ok());
+        if own != other {
+            println!("{name} differs in {}", b.display());
+        }
+        good &= own == other;
+    }
+    Ok(good)
 }
 
 /// Whether two runs or packs have the same files within a folder, to the last byte.
@@ -253,9 +269,14 @@ mod tests {
             fs::write(run.join("frames/0/x"), text).unwrap();
         }
         assert!(same(&a, &a, "frames").unwrap() && !same(&a, &b, "frames").unwrap());
+        assert!(are_same_runs(&a, &a).unwrap() && !are_same_runs(&a, &b).unwrap());
         fs::remove_file(b.join("frames/0/x")).unwrap();
         assert!(!same(&a, &b, "frames").unwrap());
         fs::write(b.join("frames/0/x"), "1").unwrap();
+        assert!(are_same_runs(&a, &b).unwrap());
+        fs::write(a.join(TABLES[0]), "cracks").unwrap();
+        assert!(!are_same_runs(&a, &b).unwrap());
+        fs::remove_file(a.join(TABLES[0])).unwrap();
         fs::write(a.join("summary.json"), summary(1, true)).unwrap();
         fs::write(b.join("summary.json"), summary(2, true)).unwrap();
         assert!(same(&a, &b, "").unwrap());

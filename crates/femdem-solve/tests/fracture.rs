@@ -352,6 +352,12 @@ fn a_thrown_cube_breaks() {
     assert!(fragments(&world) > 3);
     assert!(!cracks.spent().is_empty());
     assert_eq!(world.to_bytes().unwrap(), restarted.to_bytes().unwrap());
+    // No other body can have its model.
+    let own = world.deformable(0).unwrap().model_id();
+    assert!(own > 0);
+    let refused = world.add_deformable(DeformableSpec::at_rest(own, Pose::identity()));
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("has this one alone"), "{refused}");
 }
 
 #[test]

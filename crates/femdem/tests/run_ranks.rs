@@ -36,10 +36,18 @@ position = [0.03, 0.035, 0.03]
 copies = { count = [7, 2, 2], spacing = [0.058, 0.07, 0.07], seed = 1 }
 "#;
 
-/// The frames of a run, and why it ended and when.
+/// The frames and tables of a run, and why it ended and when.
 type Result = (BTreeMap<String, Vec<u8>>, Option<Ending>, f64);
 
-fn result(run: &Run, folder: &Path) -> Result {
+/// Where bodies may break, of the end.
+const TABLES: [&str; 3] = ["cracks.vtp", "fragments.csv", "events.csv"];
+
+/// What a run has made; one in which bodies broke is ended, which writes their tables.
+fn result(run: &mut Run, folder: &Path) -> Result {
+    let ending = run.ending();
+    if run.simulation().members.iter().any(|m| m.of.is_some()) {
+        run.finish(folder, &femdem::Usage::default()).unwrap();
+    }
     let files = fs::read_dir(folder.join("frames")).unwrap();
     let file = |entry: std::io::Result<fs::DirEntry>| {
         let path = entry.unwrap().path();
@@ -47,10 +55,12 @@ fn result(run: &Run, folder: &Path) -> Result {
         (name, fs::read(path).unwrap())
     };
     let mut files: BTreeMap<String, Vec<u8>> = files.map(file).collect();
-    let flow = fs::read(folder.join("flow.csv")).unwrap_or_default();
-    files.insert("flow.csv".to_owned(), flow);
+    for name in ["flow.csv"].into_iter().chain(TABLES) {
+        let table = fs::read(folder.join(name)).ok();
+        files.extend(table.map(|table| (name.to_owned(), table)));
+    }
     let time = run.simulation().world.time();
-    (files, run.ending(), time)
+    (files, ending, time)
 }
 
 /// A rank's part of a run to its end, or so many steps, with what the first one has made.
@@ -86,14 +96,14 @@ fn alone(text: &str) -> Result {
     let folder = tempfile::tempdir().unwrap();
     let mut run = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
     run.advance(folder.path(), u64::MAX).unwrap();
-    result(&run, folder.path())
+    result(&mut run, folder.path())
 }
 
 fn shared(text: &str, size: usize) -> Result {
     let folder = tempfile::tempdir().unwrap();
     let runs = Threads::each(size, |halo| on_rank(text, folder.path(), u64::MAX, halo));
-    let run = runs.into_iter().flatten().next().unwrap();
-    result(&run, folder.path())
+    let mut run = runs.into_iter().flatten().next().unwrap();
+    result(&mut run, folder.path())
 }
 
 fn has_the_same_end(text: &str, ending: Ending) {
@@ -139,7 +149,7 @@ fn controlled_walls_go_on_over_ranks_from_a_checkpoint() {
     // By one world, whose controls are those of the ranks.
     let (mut run, _) = Run::read(path).unwrap();
     run.advance(path, u64::MAX).unwrap();
-    assert!(result(&run, path) == expected);
+    assert!(result(&mut run, path) == expected);
     let cells = run.simulation().controls.cells(&run.simulation().world);
     assert!(
         cells[0].stress[2] > 1e3 && cells[0].strain[0] > 0.05,
@@ -205,8 +215,8 @@ copies = { count = [2, 1, 1], spacing = [0.2, 0.1, 0.1] }"#;
         let read = || Run::read(path).unwrap().0;
         finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
     });
-    let last = runs.into_iter().flatten().next().unwrap();
-    assert!(result(&last, path) == expected);
+    let mut last = runs.into_iter().flatten().next().unwrap();
+    assert!(result(&mut last, path) == expected);
 }
 
 /// Stones on a floor that leans over, some of which are pushed, until a wall opens; others come between and behind them.
@@ -289,7 +299,7 @@ fn what_flows_over_ranks_is_what_flows_alone() {
     let folder = tempfile::tempdir().unwrap();
     let mut run = Run::new(Scenario::from_toml(FLOWING).unwrap()).unwrap();
     run.advance(folder.path(), u64::MAX).unwrap();
-    let expected = result(&run, folder.path());
+    let expected = result(&mut run, folder.path());
     let rows = expected.0["flow.csv"]
         .iter()
         .filter(|&&c| c == b'\n')
@@ -328,8 +338,8 @@ fn what_flows_over_ranks_is_what_flows_alone() {
         let read = || Run::read(path).unwrap().0;
         finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
     });
-    let last = runs.into_iter().flatten().next().unwrap();
-    assert!(result(&last, path) == expected);
+    let mut last = runs.into_iter().flatten().next().unwrap();
+    assert!(result(&mut last, path) == expected);
     assert_eq!(last.simulation().members, *members);
 }
 
@@ -397,7 +407,16 @@ fn what_breaks_over_ranks_is_what_breaks_alone() {
     let folder = tempfile::tempdir().unwrap();
     let mut run = Run::new(Scenario::from_toml(BREAKING).unwrap()).unwrap();
     run.advance(folder.path(), u64::MAX).unwrap();
-    let expected = result(&run, folder.path());
+    let expected = result(&mut run, folder.path());
+    let rows = |name: &str| expected.0[name].split(|&c| c == b'\n').count() - 2;
+    let broken = TABLES.map(|name| expected.0[name].len());
+    assert!(broken[0] > 1000 && rows(TABLES[1]) > 8 && rows(TABLES[2]) > 20);
+    let passed = run
+        .finish(folder.path(), &femdem::Usage::default())
+        .unwrap()
+        .flow["line"]
+        .bodies;
+    assert!(passed > 0, "{passed}");
     let members = &run.simulation().members;
     let pieces = members.iter().filter(|member| member.of.is_some()).count();
     assert!(pieces > 8, "{pieces}");
@@ -419,8 +438,8 @@ fn what_breaks_over_ranks_is_what_breaks_alone() {
         let read = || Run::read(path).unwrap().0;
         finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
     });
-    let last = runs.into_iter().flatten().next().unwrap();
-    assert!(result(&last, path) == expected);
+    let mut last = runs.into_iter().flatten().next().unwrap();
+    assert!(result(&mut last, path) == expected);
     assert_eq!(last.simulation().members, *members);
 }
 

@@ -110,7 +110,7 @@ fn checks(output: &Output) -> Vec<Check> {
     let seams: &[&str] = &["plane", "rough"];
     let rates: &[&str] = &["rate 0.1", "rate 1", "rate 10", "rate 100"];
     let notched = ["notched", "over the straight one"];
-    let plates: &[&str] = &["1.25 mm", "1.00 mm", "0.83 mm"];
+    let plates: &[&str] = &["1.56 mm", "1.25 mm", "1.00 mm"];
     let glass: &[&str] = &["1.25 mm", "1.00 mm", "0.62 mm"];
     let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
     // Of each test, so that none may be without values.
@@ -258,14 +258,15 @@ over G and the height above the notch.\n\
 notch of 50 mm, struck at 16.5 m/s; plane strain. Angle: of the crack to the notch, 70 degrees in the experiments.\n\
 - **Branch**: glass plate of 100 x 40 mm, E = 32 GPa, 2,450 kg/m3, G = 3 J/m2, f = 4.5 MPa, notch of 50 mm, pulled at once by 1 MPa; plane \
 strain. In calculations with phase fields the crack branches once and stays slower than 0.6 of Rayleigh waves (Borden and others 2012, not \
-read).\n\n\
+read). Strengths of 3.1 and 6 MPa, on one mesh each, gave one crack, too.\n\n\
 Opened and bent, released: J = -sum F u_z,x/b of the forces F across the beam at nodes of slope u_z,x (Rice 1968; Paris and Paris \
 1988), whatever the stiffness of the mesh, over G: the mean while the crack runs 5 mm (bent: 4 mm). Spread: standard deviation. Beam: \
 the same by the theory of beams, from load and way alone, without the length of the crack. Taken: what the broken facets of the seam \
 have dissipated over G times their area.\n\n\
 **Chosen in trials**, so that a crack runs in the seam: the set-ups of opened and bent, that is strength and energy, the pressure on the \
 ends, the notch, the speed, a local damping of 0.1, no self-contact, and the window of the mean. What they show is these set-ups, not \
-any beam.\n\n\
+any beam. Notched has the same damping and no self-contact. Strengths in shear of notched, struck and branch are some three times those in \
+tension, so that glue of these meshes can take its energy by sliding; no friction.\n\n\
 **What the mesh does**: J of opened falls from mesh to mesh, towards G, and is above it on all. Facets of the plane seam take G, to \
 four digits; a rough seam is counted as the plane in the rims of its parts, of which the facets have up to 1 % more. Facets of the \
 seam of bent take up to 2 % less than G by sliding, as some open a little when they give way. J of bent is above G on all meshes; on \

@@ -16,7 +16,7 @@ const GLASS: Solid = Solid {
 /// Energy of fracture, J/m², strength in tension, and in shear, Pa.
 const ENERGY: f64 = 3.0;
 const TENSILE: f64 = 4.5e6;
-const SHEAR: f64 = 18e6;
+const SHEAR: f64 = 13.5e6;
 
 /// Speed of Rayleigh waves, m/s.
 const RAYLEIGH: f64 = 2125.0;

@@ -215,7 +215,7 @@ fn branches(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
 
 /// Plates that are struck beside their notch.
 fn struck(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    for edge in meshes([1.25e-3, 1.0e-3, 0.1 / 120.0])? {
+    for edge in meshes([0.1 / 64.0, 1.25e-3, 1.0e-3])? {
         let run = struck::strike(edge)?;
         let mesh = format!("{:.2} mm, {} tetrahedra", 1e3 * edge, run.tets);
         let values = [

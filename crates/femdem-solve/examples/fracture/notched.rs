@@ -20,7 +20,7 @@ pub struct Notched {
     pub span: f64,
     pub notch: f64,
     pub solid: Solid,
-    /// Energy of fracture, J/m², and strength in tension, Pa; that in shear is four times as high.
+    /// Energy of fracture, J/m², and strength in tension, Pa; that in shear is three times as high.
     pub energy: f64,
     pub tensile: f64,
     /// Edge of the fine cells, and how far beyond the notch they go, m.
@@ -210,7 +210,7 @@ impl Notched {
 
     /// Bends it until the load has fallen.
     pub fn bend(&self) -> Result<Bent, Box<dyn Error>> {
-        let strength = Strength::new(self.tensile, 4.0 * self.tensile, 0.0)?;
+        let strength = Strength::new(self.tensile, 3.0 * self.tensile, 0.0)?;
         let mut fracture = Fracture::new(strength, [self.energy; 2]);
         fracture.fragments = Fragments::Pieces;
         // The mean height is of all cells, which are fine where the crack is.

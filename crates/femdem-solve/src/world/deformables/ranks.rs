@@ -266,3 +266,50 @@ impl State {
         self.fastest = 0.0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::WorldParameters;
+    use crate::world::deformables::{ContactStiffness, DeformableSpec};
+    use femdem_fem::element::Element;
+    use femdem_fem::material::NeoHookean;
+    use femdem_fem::{DeformableModel, MaterialRegion};
+    use femdem_mesh::{Pose, TetMesh};
+
+    #[test]
+    fn what_came_of_a_guest_that_cracked_is_checked() {
+        let mut world = World::new(WorldParameters::default()).unwrap();
+        let mesh = TetMesh::block([1; 3], &Vector3::repeat(0.1)).unwrap();
+        let region = MaterialRegion {
+            material: NeoHookean::new(1e6, 0.3).unwrap().into(),
+            density: 1000.0,
+        };
+        let model = DeformableModel::new(&mesh, Element::T4, vec![region], None).unwrap();
+        let model = world.add_model("cube", model, ContactStiffness::default());
+        let spec = DeformableSpec::at_rest(model.unwrap(), Pose::identity());
+        world.add_deformable(spec).unwrap();
+        let tets = world.tets_of(0).unwrap();
+        let Deformables { models, bodies, .. } = *world.deformables.unwrap();
+        let (shared, state) = (&models[0], &bodies[0]);
+        let own = Model {
+            edge: Some(0.1),
+            ..shared.clone()
+        };
+        assert!(state.is_of_guest(&own, tets));
+        assert!(!state.is_of_guest(&own, tets + 1));
+        assert!(!state.is_of_guest(shared, tets));
+        let shorten: [fn(&mut State); 5] = [
+            |state| state.positions.truncate(1),
+            |state| state.velocities.truncate(1),
+            |state| state.inverse_masses.truncate(1),
+            |state| state.strain_forces.truncate(1),
+            |state| state.loads.truncate(1),
+        ];
+        for shorten in shorten {
+            let mut state = state.clone();
+            shorten(&mut state);
+            assert!(!state.is_of_guest(&own, tets));
+        }
+    }
+}

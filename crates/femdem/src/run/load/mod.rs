@@ -228,18 +228,23 @@ fn torque(torque: Vector3) -> Wrench {
     }
 }
 
-/// Of bodies that have fragments, with these, by number among the members, kg. `mass` is that of a member of this rank.
+/// Of bodies that have fragments and loads, with these, by number among the members, kg. `on` are the loads of each member, and
+/// `mass` is that of a member of this rank.
 fn masses_of_broken(
     members: &[Member],
+    on: &[Vec<u32>],
     mass: impl Fn(&Member) -> Option<f64>,
     halo: &mut dyn Halo,
 ) -> Result<BTreeMap<u32, f64>, Error> {
-    let firsts: BTreeSet<u32> = members.iter().filter_map(|member| member.of).collect();
+    let loaded = (0..).zip(members).zip(on);
+    let loaded = loaded.filter(|(_, on)| !on.is_empty());
+    let loaded: Vec<(u32, &Member)> = loaded.map(|(member, _)| member).collect();
+    let firsts: BTreeSet<u32> = loaded.iter().filter_map(|(_, member)| member.of).collect();
     let mut masses = BTreeMap::new();
     if firsts.is_empty() {
         return Ok(masses);
     }
-    let broken = (0..).zip(members);
+    let broken = loaded.into_iter();
     let broken = broken.filter(|(number, member)| member.of.is_some() || firsts.contains(number));
     let own = broken.filter_map(|(number, member)| {
         let first = member.of.unwrap_or(number);
@@ -294,7 +299,7 @@ impl BodyLoads {
         }
         let here = |id: BodyId| world.number_here(id).filter(|id| !world.is_guest(*id));
         let mass = |member: &Member| here(member.id).and_then(|id| world.mass(id));
-        let masses = masses_of_broken(members, mass, halo)?;
+        let masses = masses_of_broken(members, &self.of_members, mass, halo)?;
         let mut loads = Vec::new();
         let each = (0..).zip(members).zip(&self.of_members);
         for ((number, member), numbers) in each {
