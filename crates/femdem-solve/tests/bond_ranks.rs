@@ -230,7 +230,7 @@ fn bonded_bodies_wake_together_where_a_deformable_one_strikes() {
     let fracture = Fracture {
         coarse: true,
         every: 3,
-        ..Fracture::new(Strength::new(4e3, 1e4, 0.6).unwrap(), [0.02, 0.1])
+        ..Fracture::new(Strength::new(1.5e3, 4e3, 0.6).unwrap(), [0.02, 0.1])
     };
     for fracture in [None, Some(fracture)] {
         let world = row_below_a_cube(fracture);

@@ -6,7 +6,7 @@ use crate::common::ranks::Threads;
 use crate::fracture::{model, rock, shaken};
 use femdem_contact::{BodyId, Wall};
 use femdem_fem::element::Element;
-use femdem_fem::fracture::Weibull;
+use femdem_fem::fracture::{Strength, Weibull};
 use femdem_fem::material::{AnyMaterial, Deformation, Material, NeoHookean, Response, Tangent};
 use femdem_fem::{Boundary, DeformableModel, MaterialRegion, Selection};
 use femdem_mesh::{Pose, Vector3};
@@ -61,6 +61,7 @@ fn thrown() -> World {
     let fracture = Fracture {
         coarse: true,
         scatter: Some(Weibull::new(20.0, 1e-9, 7).unwrap()),
+        strength: Strength::new(4e6, 16e6, 0.8_f64.atan()).unwrap(),
         ..rock([5.0, 25.0])
     };
     let fall = Vector3::new(3.0, 0.0, -40.0);
@@ -115,8 +116,8 @@ fn steps(world: &mut World, halo: &mut dyn Halo, count: u32) -> Vec<(u64, BodyId
 
 /// A piece and a body that has lost pieces leave, and balls come under their numbers.
 fn change(world: &mut World, halo: &mut dyn Halo) {
-    world.remove_bodies_on(&[15, 8], halo).unwrap();
-    for (k, number) in [8, 15].into_iter().enumerate() {
+    world.remove_bodies_on(&[13, 8], halo).unwrap();
+    for (k, number) in [8, 13].into_iter().enumerate() {
         let at = Vector3::new(2.0 + 3.0 * k as f64, 1.5, 6.0) * EDGE;
         let spec = BodySpec::at_rest(0, 2500.0, Pose::translation(at.x, at.y, at.z));
         let velocity = Vector3::new(0.0, 0.0, -40.0);
