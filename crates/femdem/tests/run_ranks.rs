@@ -106,6 +106,24 @@ fn shared(text: &str, size: usize) -> Result {
     result(&mut run, folder.path())
 }
 
+/// A run over ranks that is stopped after so many steps, with a checkpoint.
+fn stopped(text: &str, folder: &Path, steps: u64, size: usize) -> Run {
+    let runs = Threads::each(size, |halo| on_rank(text, folder, steps, halo));
+    let mut first = runs.into_iter().flatten().next().unwrap();
+    first.flush(folder).unwrap();
+    first.save(folder, &femdem::Usage::default()).unwrap();
+    first
+}
+
+/// The same to its end, on from its checkpoint, by so many ranks.
+fn resumed(folder: &Path, size: usize) -> Run {
+    let runs = Threads::each(size, |halo| {
+        let read = || Run::read(folder).unwrap().0;
+        finish((halo.rank() == 0).then(read), folder, u64::MAX, halo)
+    });
+    runs.into_iter().flatten().next().unwrap()
+}
+
 fn has_the_same_end(text: &str, ending: Ending) {
     let expected = alone(text);
     assert_eq!(expected.1, Some(ending));
@@ -141,11 +159,7 @@ fn controlled_walls_go_on_over_ranks_from_a_checkpoint() {
     let expected = alone(&text);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let runs = Threads::each(3, |halo| on_rank(&text, path, 150, halo));
-    let mut first = runs.into_iter().flatten().next().unwrap();
-    assert_eq!(first.ending(), None);
-    first.flush(path).unwrap();
-    first.save(path, &femdem::Usage::default()).unwrap();
+    assert_eq!(stopped(&text, path, 150, 3).ending(), None);
     // By one world, whose controls are those of the ranks.
     let (mut run, _) = Run::read(path).unwrap();
     run.advance(path, u64::MAX).unwrap();
@@ -202,21 +216,13 @@ copies = { count = [2, 1, 1], spacing = [0.2, 0.1, 0.1] }"#;
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let runs = Threads::each(2, |halo| on_rank(&text, path, 4000, halo));
-    let mut first = runs.into_iter().flatten().next().unwrap();
+    let first = stopped(&text, path, 4000, 2);
     let so_far = first.relaxation().map(|relaxed| relaxed.steps);
     assert!(
         first.ending().is_none() && so_far == Some(4000),
         "{so_far:?}"
     );
-    first.flush(path).unwrap();
-    first.save(path, &femdem::Usage::default()).unwrap();
-    let runs = Threads::each(3, |halo| {
-        let read = || Run::read(path).unwrap().0;
-        finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
-    });
-    let mut last = runs.into_iter().flatten().next().unwrap();
-    assert!(result(&mut last, path) == expected);
+    assert!(result(&mut resumed(path, 3), path) == expected);
 }
 
 /// Stones on a floor that leans over, some of which are pushed, until a wall opens; others come between and behind them.
@@ -323,22 +329,10 @@ fn what_flows_over_ranks_is_what_flows_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let half = run.simulation().world.steps() * 2 / 3;
-    let runs = Threads::each(3, |halo| on_rank(FLOWING, path, half, halo));
-    let mut first = runs.into_iter().flatten().next().unwrap();
-    assert!(
-        first
-            .simulation()
-            .members
-            .iter()
-            .any(|m| m.id == Member::GONE)
-    );
-    first.flush(path).unwrap();
-    first.save(path, &femdem::Usage::default()).unwrap();
-    let runs = Threads::each(2, |halo| {
-        let read = || Run::read(path).unwrap().0;
-        finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
-    });
-    let mut last = runs.into_iter().flatten().next().unwrap();
+    let first = stopped(FLOWING, path, half, 3);
+    let mut so_far = first.simulation().members.iter();
+    assert!(so_far.any(|m| m.id == Member::GONE));
+    let mut last = resumed(path, 2);
     assert!(result(&mut last, path) == expected);
     assert_eq!(last.simulation().members, *members);
 }
@@ -428,17 +422,10 @@ fn what_breaks_over_ranks_is_what_breaks_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let half = run.simulation().world.steps() * 4 / 5;
-    let runs = Threads::each(3, |halo| on_rank(BREAKING, path, half, halo));
-    let mut first = runs.into_iter().flatten().next().unwrap();
+    let first = stopped(BREAKING, path, half, 3);
     let so_far = first.simulation().members.len();
     assert!(so_far > 7 && so_far < members.len(), "{so_far}");
-    first.flush(path).unwrap();
-    first.save(path, &femdem::Usage::default()).unwrap();
-    let runs = Threads::each(2, |halo| {
-        let read = || Run::read(path).unwrap().0;
-        finish((halo.rank() == 0).then(read), path, u64::MAX, halo)
-    });
-    let mut last = runs.into_iter().flatten().next().unwrap();
+    let mut last = resumed(path, 2);
     assert!(result(&mut last, path) == expected);
     assert_eq!(last.simulation().members, *members);
 }

@@ -9,7 +9,8 @@
 //!   until its traction reaches its [limits](GlueLimits), at once if it is cut beyond them. The mode that it has *then* stays. From
 //!   there on S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals, and breaking takes exactly G
 //!   of that mode per area, whatever it was born with, unless its peak is too high for that (pressed, or of coarse elements), so
-//!   that it would fall steeper than it rises. A corner that splits after the others of its facet, when they have unloaded it, takes no less than they do.
+//!   that it would fall steeper than it rises. A corner that splits after the others of its facet, when they have unloaded it,
+//!   takes no less than they do.
 //!   Born under pressure, it has no normal traction before the faces have opened so far that they no longer press: g for t_n = −k g.
 //! - The **contact** of the faces, of stiffness k_c, is born with the pressure that the facet carries (g), and with friction that
 //!   carries as much of the shear as it can. Where another law [presses](GlueLaw::presses) faces that overlap, the spring only

@@ -21,7 +21,8 @@ pub struct Cut {
     /// By which criterion it is cut.
     pub mode: FractureMode,
     /// Unit normal, of either sign, of the mean plane of the facets that divide the star of the node, Σ A n, in the positions
-    /// given: a facet of normal n has the part |n·m| of its area in that plane of normal m, and a zigzag that does not overhang has the area of the plane.
+    /// given: a facet of normal n has the part |n·m| of its area in that plane of normal m, and a zigzag that does not overhang
+    /// has the area of the plane.
     pub plane: Vector3,
 }
 

@@ -136,7 +136,7 @@ fn discs(out: &mut impl Write, one: Option<usize>) -> Result<(), Box<dyn Error>>
     Ok(())
 }
 
-/// Meshes of beams by their cells along the seam, m: those of a test, or the one that is asked for.
+/// Meshes of beams with a seam and of plates by their cells, m: those of a test, or the one that is asked for.
 fn meshes(usual: [f64; 3]) -> Result<Vec<f64>, Box<dyn Error>> {
     match std::env::args().nth(2) {
         Some(edge) => Ok(vec![edge.parse()?]),

@@ -24,25 +24,23 @@ impl World {
         cracked: &mut Vec<(BodyId, Model)>,
         halo: &mut dyn Halo,
     ) -> Result<bool, SolveError> {
-        let any = !cracked.is_empty();
+        let (own, steps) = (!cracked.is_empty(), self.steps);
         let Some(share) = self.share.take() else {
-            return Ok(any);
+            return Ok(own);
         };
-        let (mut any, steps) = (any, self.steps);
         let mut looks = share.whole.looks.iter();
-        let told = if looks.any(|every| steps.is_multiple_of(u64::from(*every))) {
-            is_any(any, halo).and_then(|so| {
-                any = so;
-                match any {
-                    true => self.swap_cracks(&share, cracked, halo),
-                    false => Ok(()),
+        let looked = looks.any(|every| steps.is_multiple_of(u64::from(*every)));
+        let told = match looked {
+            false => Ok(own),
+            true => is_any(own, halo).and_then(|any| {
+                if any {
+                    self.swap_cracks(&share, cracked, halo)?;
                 }
-            })
-        } else {
-            Ok(())
+                Ok(any)
+            }),
         };
         self.share = Some(share);
-        told.map(|()| any)
+        told
     }
 
     fn swap_cracks(

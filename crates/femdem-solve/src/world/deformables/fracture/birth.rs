@@ -167,16 +167,10 @@ struct Faces {
 }
 
 impl Faces {
-    /// The law of a facet beside elements of a height, m. Where that is more than meshes may have in the mean, it is as stiff as
-    /// at that height, so that no mode without pressure rises beyond its energy.
+    /// The law of a facet beside elements of a height, m.
     fn law(&self, fracture: &Fracture, height: f64) -> GlueLaw {
-        let most = if fracture.coarse {
-            f64::INFINITY
-        } else {
-            fracture.largest_height(self.young)
-        };
         GlueLaw {
-            stiffness: fracture.stiffness * self.young / height.min(most),
+            stiffness: fracture.stiffness * self.young / height,
             energies: fracture.energies,
             mix: fracture.mix,
             softening: fracture.softening,
@@ -324,6 +318,16 @@ impl CrackState {
         faces: &Faces,
         time: f64,
     ) -> Result<(), SolveError> {
+        if found.cuts.is_empty() {
+            return Ok(());
+        }
+        // Where elements are higher than meshes may have them in the mean, glue is as stiff as at that height, so that no mode without
+        // pressure rises beyond its energy.
+        let most = if fracture.coarse {
+            f64::INFINITY
+        } else {
+            fracture.largest_height(faces.young)
+        };
         for cut in &found.cuts {
             let facet = self.mesh.facets().all()[cut.facet as usize];
             let [a, b, c] = facet.points.map(|point| model.nodes()[point as usize]);
@@ -334,7 +338,7 @@ impl CrackState {
                 .map(|t| model.volumes()[*t as usize])
                 .sum();
             let height = 1.5 * volume / area;
-            let law = faces.law(fracture, height);
+            let law = faces.law(fracture, height.min(most));
             law.check()?;
             let sides = self.mesh.sides(cut.facet).unwrap_or([facet.points; 2]);
             // Both sides are there still.
