@@ -168,7 +168,7 @@ impl Part {
         let mut stiffness = self.facet.stiffness_at(law, &openings);
         let mut left = self.facet.stiffness_left(law, &openings);
         for q in 0..3 {
-            if !self.facet.is_joined(q) {
+            if !self.facet.gave_way(q) {
                 for (slope, opening) in slopes[q].iter_mut().zip(openings[q]) {
                     *slope = whole * opening;
                     energy += 0.5 * whole * opening * opening;

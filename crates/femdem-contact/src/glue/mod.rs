@@ -1,6 +1,6 @@
 //! Cohesive law of two faces that a crack separates: what still holds them, and how they press and rub.
 //!
-//! A [`GluedFacet`] joins the two sides of a cut facet at its three pairs of nodes. With the opening δ = x_b − x_a of a pair in
+//! A [`GluedFacet`] joins the two sides of a cut facet. With the opening δ = x_b − x_a, linear between its three pairs of nodes, in
 //! the axes of the mid-surface (normal n from side a to side b, and two in the facet), its energy per area is
 //!
 //! w = ½ S(λ_max) λ² + ½ k_c ⟨g − δ_n⟩² + ½ k_t |δ_t − s|²,   λ² = ⟨δ_n + t_n/k⟩² + |δ_t + τ/k|²
@@ -9,8 +9,8 @@
 //!   until its traction reaches its [limits](GlueLimits), at once if it is cut beyond them. The mode that it has *then* stays. From
 //!   there on S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals, and breaking takes exactly G
 //!   of that mode per area, whatever it was born with, unless its peak is too high for that (pressed, or of coarse elements), so
-//!   that it would fall steeper than it rises. A corner that splits after the others of its facet, when they have unloaded it,
-//!   takes no less than they do.
+//!   that it would fall steeper than it rises. All of it is born when the first node of the facet splits; a node that does not has
+//!   no opening.
 //!   Born under pressure, it has no normal traction before the faces have opened so far that they no longer press: g for t_n = −k g.
 //! - The **contact** of the faces, of stiffness k_c, is born with the pressure that the facet carries (g), and with friction that
 //!   carries as much of the shear as it can. Where another law [presses](GlueLaw::presses) faces that overlap, the spring only
@@ -37,11 +37,9 @@
 //! };
 //! law.check()?;
 //! let a = [Vector3::zeros(), Vector3::x() * 1e-3, Vector3::y() * 1e-3];
-//! let (mut facet, mut lent) = (GluedFacet::new(0.5e-6)?, 0.0);
+//! let mut facet = GluedFacet::new(0.5e-6)?;
 //! let limits = GlueLimits::flat([5e6, 20e6], 0.6); // tensile strength, cohesion, Pa
-//! for q in 0..3 {
-//!     lent += facet.join(q, &law, [5e6, 0.0, 0.0], &limits); // born under a tension of 5 MPa
-//! }
+//! let lent = facet.join(&law, [5e6, 0.0, 0.0], &limits, [1.0; 3]); // born under a tension of 5 MPa
 //! // Side b pulls side a with 5 MPa, upwards.
 //! let pull = facet.forces(&law, &a, &a).on[0].iter().sum::<Vector3>();
 //! assert!((pull - Vector3::z() * 2.5).norm() < 1e-12);

@@ -104,7 +104,7 @@ impl NodalDecision<'_> {
             if cracked.around(node).len() != count {
                 continue;
             }
-            let star = Star::new(cracked, node, &positions)?;
+            let star = Star::new(cracked, node, &positions, self.stresses)?;
             let point = |i: u32| cracked.points()[i as usize] as usize;
             let mut corners = cracked.around(node).iter();
             let mut is_beside = || {

@@ -1,12 +1,14 @@
 //! Where and when a brittle body cracks: strength, its scatter, and the decision which facets of a mesh are cut.
 //!
 //! A crack opens at a *node*. The stress of a node is the volume mean over the tetrahedra around it. Where it exceeds the
-//! [`Strength`], the tetrahedra are divided along the plane that fails, and the facets between the two sides are cut, so
-//! that the node splits. Criteria on single facets need all of a closed loop of facets about a node to fail, whose worst
+//! [`Strength`], or where the force that the node carries between the tetrahedra on either side of the plane that fails exceeds that
+//! of the facets there, the tetrahedra are divided along that plane, and the facets between the two sides are cut, so
+//! that the node splits. Under a uniform stress both say the same. At the tip of a crack the mean, of tetrahedra ahead and behind, is
+//! half of what the facets bear, and a crack that has to reach it takes more than its energy. Criteria on single facets need all of a closed loop of facets about a node to fail, whose worst
 //! oriented one sets the strength: in plain tension they ask for a third more than the strength of the material.
 //!
-//! 1. **Gate.** Both criteria are convex functions of stress, so the mean over tetrahedra fails only if one of them does:
-//!    a body far from failure costs one bound per tetrahedron.
+//! 1. **Gate.** Nodes none of whose tetrahedra is near failure are not looked at: a body far from it costs one bound per
+//!    tetrahedron. Both criteria are convex functions of stress, so a mean fails only if one of its tetrahedra does.
 //! 2. **Order.** Nodes that fail are treated by falling ratio of stress to strength, then by number. Beside an open crack,
 //!    a node that lies on no cut facet waits until its ratio is 1.15, or one crack would be many parallel ones.
 //! 3. **Plane.** In tension normal to the largest principal stress. In shear one of the two planes of Mohr and Coulomb,
@@ -31,8 +33,8 @@
 //!
 //! # Limits
 //!
-//! The mean over a node's tetrahedra reads less than the stress at a notch or a skin where stress varies over one
-//! element. Cracks run along facets, so their path depends on the mesh, and
+//! Forces from outside on a node take from what is known of the force between halves, so that nodes which others load fail by their
+//! mean stress. Stress that varies over one element, as at a skin, is seen by its mean. Cracks run along facets, so their path depends on the mesh, and
 //! some facets beside a crack are cut that part nothing.
 //!
 //! ```

@@ -1,30 +1,23 @@
 //! The stress of a node.
 
 use super::inputs::NodalDecision;
+use super::star::{Division, Star, volume};
 use super::strength::Strength;
-use crate::error::{FemError, check};
+use crate::error::FemError;
+use femdem_mesh::Matrix3;
 use femdem_mesh::tet::CrackedMesh;
-use femdem_mesh::{Matrix3, Vector3};
 
-/// The stress at a node and how much of the strength it uses up.
+/// The stress at a node.
 pub(super) struct NodeStress<'a> {
+    /// How much of the strength it uses up, or the force between two halves of the star.
     pub ratio: f64,
     pub cauchy: Matrix3,
     pub strength: &'a Strength,
 }
 
-/// Volume of a tetrahedron, m^3.
-pub(super) fn volume(corners: [u32; 4], positions: &[Vector3]) -> Result<f64, FemError> {
-    let [a, b, c, d] = corners.map(|node| positions[node as usize]);
-    let volume = (b - a).dot(&(c - a).cross(&(d - a))) / 6.0;
-    let allowed = "positive: the body has turned a tetrahedron inside out";
-    check("volume of a tetrahedron", volume, volume > 0.0, allowed)?;
-    Ok(volume)
-}
-
 impl<'a> NodalDecision<'a> {
-    /// The mean over the tetrahedra of each region around a node; that of the region nearest to failure is returned. `None`
-    /// for a node without tetrahedra.
+    /// The mean over the tetrahedra of each region around a node; that of the region nearest to failure is returned, with the ratio
+    /// of the force across if that is more. `None` for a node without tetrahedra.
     pub(super) fn node(
         &self,
         cracked: &CrackedMesh,
@@ -55,6 +48,32 @@ impl<'a> NodalDecision<'a> {
                 });
             }
         }
+        if let Some(worst) = &mut worst {
+            let across = self.across(cracked, node, worst)? / factor;
+            worst.ratio = worst.ratio.max(across);
+        }
         Ok(worst)
+    }
+
+    /// How much of the strength the force between two halves of the star of a node uses up: of the strongest region there.
+    fn across(
+        &self,
+        cracked: &CrackedMesh,
+        node: u32,
+        stress: &NodeStress,
+    ) -> Result<f64, FemError> {
+        let star = Star::new(cracked, node, self.positions, self.stresses)?;
+        let planes = stress.strength.planes(&stress.cauchy);
+        let divisions = planes.normals().iter();
+        let divisions = divisions.filter_map(|normal| star.divide(normal, false));
+        let regions = cracked
+            .around(node)
+            .iter()
+            .map(|&t| self.regions[t as usize]);
+        let ratio = |division: Division| {
+            let of = |region: u32| self.strengths[region as usize].ratio_across(&division.traction);
+            regions.clone().map(of).fold(f64::INFINITY, f64::min)
+        };
+        Ok(divisions.map(ratio).fold(f64::NEG_INFINITY, f64::max))
     }
 }

@@ -1,9 +1,10 @@
 //! The tetrahedra around a node, and how a plane divides them.
 
 use super::minimum_cut::{Edge, minimum_cut};
-use super::node::volume;
-use crate::error::FemError;
+use crate::error::{FemError, check};
+use crate::model::ElementStress;
 use femdem_mesh::Vector3;
+use femdem_mesh::nalgebra::Unit;
 use femdem_mesh::tet::{CrackedMesh, FACES};
 
 /// Distance from the plane, over the local size, beyond which a tetrahedron belongs to its side; at most half of the
@@ -12,6 +13,15 @@ const FREE: f64 = 0.35;
 
 /// How much dearer than one in the plane a facet across it is, over its area.
 const TURNED: f64 = 1.5;
+
+/// Volume of a tetrahedron, m^3.
+pub(super) fn volume(corners: [u32; 4], positions: &[Vector3]) -> Result<f64, FemError> {
+    let [a, b, c, d] = corners.map(|node| positions[node as usize]);
+    let volume = (b - a).dot(&(c - a).cross(&(d - a))) / 6.0;
+    let allowed = "positive: the body has turned a tetrahedron inside out";
+    check("volume of a tetrahedron", volume, volume > 0.0, allowed)?;
+    Ok(volume)
+}
 
 /// A facet with the node, between two of its tetrahedra.
 struct Link {
@@ -28,6 +38,9 @@ pub(super) struct Star {
     links: Vec<Link>,
     /// Centroids seen from the node, over the local size.
     centroids: Vec<Vector3>,
+    /// Per tetrahedron its volume, m^3, and the nodal force of its stress, V sigma grad N = - sigma A n / 3 with the face across
+    /// from the node, N.
+    forces: Vec<(f64, Vector3)>,
     /// Whether a facet with the node, open or not, is cut.
     pub is_on_cut: bool,
 }
@@ -38,6 +51,12 @@ pub(super) struct Division {
     pub facets: Vec<u32>,
     /// The normal of the mean plane of all facets between the two sides.
     pub normal: Vector3,
+    /// What pulls across that plane and shears along it at least, Pa: the force R between the two halves of the star over the node's
+    /// part of the facets, Σ A n / 3, with n out of the first; under a uniform stress and with free skins R = σ Σ A n / 3.
+    ///
+    /// Halves with volumes V and nodal forces F of stress move alike if R = (V₂ F₁ − V₁ F₂)/(V₁ + V₂). What F₁ + F₂ is not by motion,
+    /// other bodies, glue or supports balance on one half or on both: R may be wrong by F₁ + F₂ times the larger part of V.
+    pub traction: [f64; 2],
 }
 
 impl Star {
@@ -46,22 +65,31 @@ impl Star {
         cracked: &CrackedMesh,
         node: u32,
         positions: &[Vector3],
+        stresses: &[ElementStress],
     ) -> Result<Self, FemError> {
         let tets = cracked.around(node);
         let at = |i: u32| positions[i as usize];
         let mut star = Self {
             links: Vec::new(),
             centroids: Vec::new(),
+            forces: Vec::new(),
             is_on_cut: false,
         };
         let mut total = 0.0;
         for (place, &t) in tets.iter().enumerate() {
             let corners = cracked.tets()[t as usize];
-            total += volume(corners, positions)?;
+            let own = volume(corners, positions)?;
+            total += own;
             star.centroids
                 .push(corners.map(at).iter().sum::<Vector3>() / 4.0 - at(node));
             let facets = cracked.facets().of_tets()[t as usize];
             for (k, facet) in facets.into_iter().enumerate() {
+                if corners[k] == node {
+                    let [a, b, c] = FACES[k].map(|i| at(corners[i]));
+                    let opposite = (b - a).cross(&(c - a)) * 0.5;
+                    let force = stresses[t as usize].cauchy * opposite / -3.0;
+                    star.forces.push((own, force));
+                }
                 let Some(facet) = facet.filter(|_| corners[k] != node) else {
                     continue;
                 };
@@ -118,12 +146,28 @@ impl Star {
         let between = self.links.iter().zip(&edges);
         let between = between.filter(|(link, _)| parts[link.ends[0]] != parts[link.ends[1]]);
         let between: Vec<(&Link, &Edge)> = between.collect();
-        let mean = mean_normal(between.iter().map(|(link, _)| *link), &parts);
+        let area = area_between(between.iter().map(|(link, _)| *link), &parts);
+        let mut halves = [(0.0, Vector3::zeros()); 2];
+        for ((volume, force), part) in self.forces.iter().zip(&parts) {
+            let half = &mut halves[usize::from(*part)];
+            half.0 += volume;
+            half.1 += force;
+        }
+        let [(second, pushed), (first, pulled)] = halves;
+        let exchanged = (pulled * second - pushed * first) / (first + second);
+        let unknown = (pulled + pushed).norm() * first.max(second) / (first + second);
         let mut division = Division {
             cost: 0.0,
             facets: Vec::new(),
-            normal: mean.unwrap_or(*normal),
+            normal: *normal,
+            traction: [0.0; 2],
         };
+        if let Some((normal, size)) = Unit::try_new_and_get(area, 0.0) {
+            division.normal = normal.into_inner();
+            let pull = exchanged.dot(&normal);
+            let shear = (exchanged - division.normal * pull).norm();
+            division.traction = [pull, shear].map(|force| (force - unknown) * 3.0 / size);
+        }
         for (link, edge) in between {
             division.cost += edge.cost;
             if !link.is_cut {
@@ -134,13 +178,11 @@ impl Star {
     }
 }
 
-/// The normal of the plane on which the facets between two sides have the largest area, Σ A n over its length: it is that
-/// of any surface with the same rim.
-fn mean_normal<'a>(between: impl Iterator<Item = &'a Link>, parts: &[bool]) -> Option<Vector3> {
+/// The area of the facets between two sides, Σ A n out of the first, m^2: it is that of any surface with the same rim.
+fn area_between<'a>(between: impl Iterator<Item = &'a Link>, parts: &[bool]) -> Vector3 {
     let outward = |link: &Link| {
         let area = link.normal * link.area;
         if parts[link.ends[0]] { area } else { -area }
     };
-    let sum: Vector3 = between.map(outward).sum();
-    sum.try_normalize(0.0)
+    between.map(outward).sum()
 }

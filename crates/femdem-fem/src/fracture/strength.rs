@@ -153,6 +153,12 @@ impl Strength {
         self.limits().ratio([least, most])
     }
 
+    /// How much of the strength of a plane the tractions of pull and of shear (Pa) use up: those of a stress no more than its ratio.
+    pub(super) fn ratio_across(&self, [pull, shear]: &[f64; 2]) -> f64 {
+        let slide = shear + pull * self.friction_angle.tan();
+        (pull / self.tensile).max(slide / self.cohesion)
+    }
+
     /// The planes along which it fails first when this Cauchy stress grows in proportion.
     #[must_use]
     pub fn planes(&self, cauchy: &Matrix3) -> FailurePlanes {

@@ -307,7 +307,7 @@ impl State {
 }
 
 impl CrackState {
-    /// Adds joints for facets that have just been cut, none of whose pairs of nodes is joined yet. `positions` are those of the
+    /// Adds joints for facets that have just been cut; they are not joined yet. `positions` are those of the
     /// nodes, m.
     fn add(
         &mut self,
@@ -359,15 +359,13 @@ impl CrackState {
         Ok(())
     }
 
-    /// Joins the pairs of nodes that have just been split, under the traction that the facet carries: that of the mean stress of
-    /// the elements beside it, over its area before the body deformed.
+    /// Joins facets the first of whose nodes have just been split, under the traction that they carry: that of the mean stress of
+    /// the elements beside them, over the area before the body deformed.
     fn open(&mut self, positions: &[Vector3], stresses: &[ElementStress], factors: &[f64]) {
         let facets = self.mesh.facets().all();
         for joint in &mut self.joints {
             let [first, second] = joint.sides;
-            let is_new = |q: &usize| first[*q] != second[*q] && !joint.glued.is_joined(*q);
-            let new: Vec<usize> = (0..3).filter(is_new).collect();
-            if new.is_empty() {
+            if first == second || joint.glued.is_joined() {
                 continue;
             }
             let [a, b] = joint.places(positions);
@@ -383,13 +381,10 @@ impl CrackState {
                     .norm();
             let grown = now / joint.glued.area();
             if let Some(traction) = in_axes(&middle, |normal| mean * normal * grown) {
-                for q in new {
-                    let factor = factors[self.mesh.points()[first[q] as usize] as usize];
-                    let limits = joint.limits.scaled(factor);
-                    let lent = joint.glued.join(q, &joint.law, traction, &limits);
-                    self.flows.lent += lent;
-                    joint.taken -= lent;
-                }
+                let own = first.map(|node| factors[self.mesh.points()[node as usize] as usize]);
+                let lent = joint.glued.join(&joint.law, traction, &joint.limits, own);
+                self.flows.lent += lent;
+                joint.taken -= lent;
             }
         }
     }

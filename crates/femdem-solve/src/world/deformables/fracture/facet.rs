@@ -20,7 +20,7 @@ pub struct CrackFacet {
     pub opening: f64,
     /// See `opening`.
     pub slip: f64,
-    /// 0 when it is cut, 1 when nothing holds any more; the mean over its corners, of which those whose node is not split are 0.
+    /// 0 when it is cut, 1 when nothing holds any more; the mean over its points.
     pub damage: f64,
     /// By which criterion it was cut.
     pub mode: FractureMode,
