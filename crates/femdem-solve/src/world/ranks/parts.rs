@@ -105,6 +105,18 @@ fn in_portions<T>(
     portions.into_iter().rev()
 }
 
+/// The items of a list in their order, which gives memory back on the way.
+fn released<T>(mut list: Vec<T>) -> impl Iterator<Item = T> {
+    list.reverse();
+    std::iter::from_fn(move || {
+        let item = list.pop();
+        if list.len().is_multiple_of(PORTION) {
+            list.shrink_to_fit();
+        }
+        item
+    })
+}
+
 impl Parts {
     /// Bodies and then pairs, in as many portions on all ranks; without ended bonds and newcomers.
     pub fn portions(
@@ -191,17 +203,22 @@ impl World {
             pairs: pairs.filter_map(|pair| pair.renumbered(number)).collect(),
             ..Parts::default()
         };
-        for (id, mut record) in records {
-            let i = id as usize;
-            let Some(number) = number(id) else { continue };
+        let bodies = released(std::mem::take(&mut self.bodies));
+        let motions = released(std::mem::take(&mut self.motions));
+        let mut places = (0..).zip(bodies.zip(motions));
+        for (id, mut record) in released(records) {
+            let place = places.find(|(place, _)| *place == id);
+            let Some(((_, (body, motion)), number)) = place.zip(number(id)) else {
+                continue;
+            };
             let nodes = match &mut self.deformables {
                 Some(deformables) => deformables.take(id, &mut record, &mut models),
                 None => None,
             };
             all.members.push(Member {
                 number,
-                body: std::mem::replace(&mut self.bodies[i], Body::vacant()),
-                motion: self.motions[i],
+                body,
+                motion,
                 record,
                 nodes: nodes.map(Box::new),
             });
@@ -209,7 +226,7 @@ impl World {
         if let Some(deformables) = &mut self.deformables {
             deformables.empty(0);
         }
-        (self.bodies, self.motions, self.ahead) = Default::default();
+        self.ahead.clear();
         self.awake.clear();
         Ok((all, move |number| !guests.contains(&number)))
     }
@@ -230,7 +247,7 @@ impl World {
             .collect();
         self.newcomers = newcomers.renumbered(local);
         let total = members.len() as BodyId;
-        let members = members.into_iter();
+        let members = released(members);
         let members = (0..).zip(members.map(|(member, owner)| (member, owner != rank)));
         self.put(total, members, pairs)?;
         Ok(numbers)
@@ -239,7 +256,7 @@ impl World {
     /// The bodies of all ranks, ascending by number, in the world of one.
     pub(super) fn put_all(&mut self, total: u32, parts: Parts) -> Result<(), SolveError> {
         self.newcomers = parts.newcomers;
-        let members = parts.members.into_iter();
+        let members = released(parts.members);
         let members = members.map(|member| (member.number, (member, false)));
         let pairs = parts.pairs.into_iter().chain(parts.ended);
         self.put(total, members, pairs.collect())
