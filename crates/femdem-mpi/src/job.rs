@@ -1,4 +1,4 @@
-//! A run over ranks: the first one keeps the books and writes the files.
+//! A run over ranks: the first one keeps the books and writes the files, but for the others' parts of checkpoints.
 
 use crate::cost::{Cost, make_folder};
 use anyhow::{Result, ensure};
@@ -7,6 +7,9 @@ use femdem::run::{Part, Run, Scenario};
 use femdem::solve::Halo;
 use femdem_mpi::MpiHalo;
 use std::path::{Path, PathBuf};
+
+/// Steps after which the first rank says whether it is time for a checkpoint.
+const STEPS_BETWEEN_QUESTIONS: u64 = 16;
 
 /// A run of which each rank has a part.
 pub(crate) struct Job {
@@ -29,45 +32,40 @@ impl Job {
         if halo.rank() == 0 {
             let own = run.insert(Run::new(scenario)?);
             make_folder(&folder, &own.scenario().to_toml()?)?;
+            own.steps_elsewhere()?;
+            // What is due at the beginning.
+            own.advance(&folder, 0)?;
         }
-        Self::share(run, folder, Usage::default(), halo)
+        let part = Part::share_out(run.as_mut(), halo)?;
+        Self::at_start(part, folder, run, Usage::default(), halo)
     }
 
     /// The run in a folder, from its last checkpoint.
     pub fn resume(folder: &Path, halo: &mut MpiHalo) -> Result<Self> {
-        let (mut run, mut before) = (None, Usage::default());
-        if halo.rank() == 0 {
-            let (own, usage) = Run::read(folder)?;
-            ensure!(
-                own.ending().is_none(),
-                "the run in {} has ended",
-                folder.display()
-            );
-            (run, before) = (Some(own), usage);
-        }
-        Self::share(run, folder.to_owned(), before, halo)
+        let (part, read) = Part::resume(folder, halo)?;
+        let (run, before) = read.unzip();
+        let has_ended = run.as_ref().is_some_and(|run| run.ending().is_some());
+        ensure!(!has_ended, "the run in {} has ended", folder.display());
+        let before = before.unwrap_or_default();
+        Self::at_start(part, folder.to_owned(), run, before, halo)
     }
 
-    fn share(
-        mut run: Option<Run>,
+    fn at_start(
+        part: Part,
         folder: PathBuf,
+        run: Option<Run>,
         before: Usage,
         halo: &mut MpiHalo,
     ) -> Result<Self> {
-        if let Some(run) = &mut run {
-            run.steps_elsewhere()?;
-            // What is due at the beginning.
-            run.advance(&folder, 0)?;
-            run.flush(&folder)?;
-            // At once, so that a folder that cannot be written is noticed before the work.
-            run.save(&folder, &before)?;
-        }
-        Ok(Self {
-            part: Part::share_out(run.as_mut(), halo)?,
+        let mut job = Self {
+            part,
             folder,
             run,
             cost: Cost::after(before),
-        })
+        };
+        // At once, so that a folder that cannot be written is noticed before the work.
+        job.save(halo)?;
+        Ok(job)
     }
 
     /// Steps to the end of the run, or so many steps, with a checkpoint after at most `every` seconds and at the end.
@@ -76,27 +74,23 @@ impl Job {
         let last = steps.map_or(u64::MAX, |steps| so_far.saturating_add(steps));
         let mut due = self.next_due(halo)?;
         let mut ended = false;
-        // Whether the first rank has seen the last step: it has given its bodies away.
-        let mut seen = false;
         while !ended && self.part.steps() < last {
             let may_end = self.part.step(halo)?;
             let time = self.part.world().time();
-            seen = may_end || time >= due;
-            if seen {
+            let is_seen = may_end || time >= due;
+            if is_seen {
                 ended = self.catch_up(halo)?;
                 due = self.next_due(halo)?;
-                if !ended && self.cost.is_save_due(every, halo)? {
-                    self.save(halo)?;
-                }
+            }
+            let is_asked = is_seen || self.part.steps().is_multiple_of(STEPS_BETWEEN_QUESTIONS);
+            if is_asked && !ended && self.cost.is_save_due(every, halo)? {
+                self.save(halo)?;
             }
             let part = &self.part;
             self.cost.tell(halo, || match part.is_relaxing() {
                 true => format!("{} steps, the bodies are relaxed", part.steps()),
                 false => format!("{time:.6} of {} s", part.scenario().duration),
             });
-        }
-        if !seen && !self.part.is_relaxing() {
-            self.catch_up(halo)?;
         }
         self.finish(halo)
     }
@@ -124,33 +118,39 @@ impl Job {
         let usage = self.usage(halo)?;
         if let Some(run) = &mut self.run {
             run.flush(&self.folder)?;
-            run.save(&self.folder, &usage)?;
         }
-        Ok(())
+        let run = self.run.as_mut();
+        Ok(self.part.save(run, &self.folder, &usage, halo)?)
     }
 
     fn finish(mut self, halo: &mut MpiHalo) -> Result<()> {
         let usage = self.usage(halo)?;
-        let Some(mut run) = self.run.take() else {
-            return Ok(());
+        // In a relaxation the first rank has all bodies.
+        let all = self.run.as_ref().filter(|_| self.part.is_relaxing());
+        let world = all.map_or(self.part.world(), |run| &run.simulation().world);
+        let motion = match self.part.is_relaxing() {
+            true if halo.rank() > 0 => 0,
+            true => world.checksum_of_motion()?,
+            false => world.checksum_of_motion_on(halo)?,
         };
-        let motion = run.simulation().world.checksum_of_motion()?;
-        let world = &run.simulation().world;
-        println!(
-            "{} ranks, {} steps, {:.6} s; {:.1} s on the clock, {:.1} s of processors; motion {motion:016x}",
-            halo.size(),
-            world.steps(),
-            world.time(),
-            usage.wall_seconds,
-            usage.cpu_seconds.unwrap_or_default(),
-        );
-        if run.ending().is_some() {
-            let summary = run.finish(&self.folder, &usage)?;
-            println!("{summary}");
-        } else {
-            run.flush(&self.folder)?;
-            println!("go on with: femdem-mpi resume {}", self.folder.display());
+        if halo.rank() == 0 {
+            println!(
+                "{} ranks, {} steps, {:.6} s; {:.1} s on the clock, {:.1} s of processors; motion {motion:016x}",
+                halo.size(),
+                world.steps(),
+                world.time(),
+                usage.wall_seconds,
+                usage.cpu_seconds.unwrap_or_default(),
+            );
         }
-        Ok(run.save(&self.folder, &usage)?)
+        if let Some(run) = &mut self.run {
+            if run.ending().is_some() {
+                let summary = run.finish(&self.folder, &usage)?;
+                println!("{summary}");
+            } else {
+                println!("go on with: femdem-mpi resume {}", self.folder.display());
+            }
+        }
+        self.save(halo)
     }
 }

@@ -116,7 +116,7 @@ fn work(cli: Cli, halo: &mut MpiHalo) -> Result<()> {
         }
         Task::Resume { folder, options } => {
             let every = options.take()?;
-            // The first rank looks: the others need not see the folder of a run.
+            // The first rank looks, for all.
             let mut packs = [0];
             if halo.rank() == 0 {
                 packs = [u64::from(folder.join(PACK_CHECKPOINT).is_file())];

@@ -5,8 +5,8 @@
 
 use crate::error::SolveError;
 use bincode::error::EncodeError;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -176,20 +176,31 @@ fn io<'a>(action: &'static str, path: &'a Path) -> impl Fn(std::io::Error) -> So
 /// [`SolveError::Io`] if the file cannot be written; an earlier file of that name is then
 /// untouched. [`SolveError::Encoding`] if the value cannot be encoded.
 pub fn write_file(path: &Path, kind: &str, value: &impl Serialize) -> Result<(), SolveError> {
+    write_sealed(path, kind, value).map(|_| ())
+}
+
+/// As [`write_file`], and returns what [`read_sealed`] knows the file by.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn write_sealed(path: &Path, kind: &str, value: &impl Serialize) -> Result<Seal, SolveError> {
     let mut beside = PathBuf::from(path).into_os_string();
     beside.push(".tmp");
     let beside = PathBuf::from(beside);
-    let written = write_all(&beside, kind, value)
-        .and_then(|()| fs::rename(&beside, path).map_err(io("cannot put in place", path)));
+    let written = write_all(&beside, kind, value).and_then(|seal| {
+        fs::rename(&beside, path).map_err(io("cannot put in place", path))?;
+        Ok(seal)
+    });
     if written.is_err() {
         // Best effort: the error that matters is the first one.
         fs::remove_file(&beside).ok();
     }
-    written?;
-    sync_folder(path)
+    let seal = written?;
+    sync_folder(path)?;
+    Ok(seal)
 }
 
-fn write_all(beside: &Path, kind: &str, value: &impl Serialize) -> Result<(), SolveError> {
+fn write_all(beside: &Path, kind: &str, value: &impl Serialize) -> Result<Seal, SolveError> {
     let cannot_write = || io("cannot write", beside);
     let file = File::create(beside).map_err(io("cannot create", beside))?;
     let mut tally = Tally::new(BufWriter::with_capacity(BUFFER, file));
@@ -202,7 +213,7 @@ fn write_all(beside: &Path, kind: &str, value: &impl Serialize) -> Result<(), So
         other => encoding(other.to_string()),
     })?;
     check_length(tally.length)?;
-    let header = Header {
+    let seal = Seal {
         length: tally.length,
         checksum: tally.hash,
     };
@@ -210,10 +221,11 @@ fn write_all(beside: &Path, kind: &str, value: &impl Serialize) -> Result<(), So
     // Seeking flushes the buffer.
     writer
         .seek(SeekFrom::Start(0))
-        .and_then(|_| writer.write_all(&header.bytes(kind)))
+        .and_then(|_| writer.write_all(&seal.header(kind)))
         .and_then(|()| writer.flush())
         .and_then(|()| writer.get_ref().sync_all())
-        .map_err(cannot_write())
+        .map_err(cannot_write())?;
+    Ok(seal)
 }
 
 /// Makes the rename durable where folders can be synced.
@@ -236,6 +248,26 @@ fn sync_folder(path: &Path) -> Result<(), SolveError> {
 /// [`SolveError::Io`] if the file cannot be read, [`SolveError::BadCheckpoint`] if it is
 /// truncated, altered, of another kind or from another version.
 pub fn read_file<T: DeserializeOwned>(path: &Path, kind: &str) -> Result<T, SolveError> {
+    read(path, kind, None)
+}
+
+/// Reads a checkpoint of a `kind` that is part of another one, which has its seal.
+///
+/// # Errors
+/// As [`read_file`], and [`SolveError::BadCheckpoint`] if it is another file than the one of that seal.
+pub fn read_sealed<T: DeserializeOwned>(
+    path: &Path,
+    kind: &str,
+    seal: &Seal,
+) -> Result<T, SolveError> {
+    read(path, kind, Some(seal))
+}
+
+fn read<T: DeserializeOwned>(
+    path: &Path,
+    kind: &str,
+    known: Option<&Seal>,
+) -> Result<T, SolveError> {
     let cannot_read = || io("cannot read", path);
     let bad = |why: String| SolveError::BadCheckpoint {
         path: path.to_owned(),
@@ -247,19 +279,24 @@ pub fn read_file<T: DeserializeOwned>(path: &Path, kind: &str) -> Result<T, Solv
         .take(HEADER as u64)
         .read_to_end(&mut start);
     first.map_err(cannot_read())?;
-    let header = Header::read(&start, kind).map_err(bad)?;
+    let seal = Seal::read(&start, kind).map_err(bad)?;
+    if known.is_some_and(|known| *known != seal) {
+        return Err(bad(
+            "it is a part of another checkpoint than the one that names it".to_owned(),
+        ));
+    }
     // The checksum of the whole is verified before any of it is decoded.
     let mut tally = Tally::new(&file);
     let mut reader = BufReader::with_capacity(BUFFER, &mut tally);
     io::copy(&mut reader, &mut io::sink()).map_err(cannot_read())?;
-    header.check(&tally).map_err(bad)?;
+    seal.check(&tally).map_err(bad)?;
     file.seek(SeekFrom::Start(HEADER as u64))
         .map_err(cannot_read())?;
     let mut tally = Tally::new(BufReader::with_capacity(BUFFER, file));
     let config = bincode::config::legacy().with_limit::<LIMIT>();
     let value = bincode::serde::decode_from_std_read(&mut tally, config)
         .map_err(|e| bad(undecoded(e.to_string()).to_string()))?;
-    let rest = header.length - tally.length.min(header.length);
+    let rest = seal.length - tally.length.min(seal.length);
     if rest == 0 {
         Ok(value)
     } else {
@@ -267,14 +304,15 @@ pub fn read_file<T: DeserializeOwned>(path: &Path, kind: &str) -> Result<T, Solv
     }
 }
 
-/// Data to verify that a file is complete.
-struct Header {
+/// By what a file is known to be complete, and to be the one that is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Seal {
     length: u64,
     checksum: u64,
 }
 
-impl Header {
-    fn bytes(&self, kind: &str) -> Vec<u8> {
+impl Seal {
+    fn header(&self, kind: &str) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(HEADER);
         bytes.extend_from_slice(MAGIC);
         bytes.extend_from_slice(&VERSION.to_le_bytes());

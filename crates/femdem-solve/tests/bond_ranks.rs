@@ -137,12 +137,17 @@ fn bonded_bodies_have_the_same_bits_on_any_ranks() {
             world.share_out(halo).unwrap();
             assert_eq!(course(&mut world, halo), [before, after], "{size} ranks");
             assert!(world.bonds().next().is_some());
-            world.gather(halo).unwrap()
+            (world.to_bytes(), world.gather(halo).unwrap())
         });
-        let whole = parts.into_iter().next().unwrap().unwrap();
+        let (parts, wholes): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
+        let whole = wholes.into_iter().next().unwrap().unwrap();
         let found = whole.checksum_of_motion().unwrap();
         assert_eq!(found, expected, "{size} ranks");
         assert!(whole.bonds().eq(alone.bonds()), "{size} ranks");
+        let parts = parts.into_iter().map(|bytes| World::from_bytes(&bytes?));
+        let joined = World::of_parts(parts).unwrap();
+        assert_eq!(joined.checksum_of_motion().unwrap(), expected);
+        assert!(joined.bonds().eq(alone.bonds()), "{size} ranks");
         let books = [&alone, &whole].map(World::ledger);
         let scale = books[0].exchanged;
         for (a, b) in [

@@ -4,7 +4,7 @@
 
 use crate::common::ranks::Threads;
 use crate::common::{D, DENSITY, noise, pose, solid, turned, weightless};
-use crate::ranks::{as_alone, goes_on_from_the_first};
+use crate::ranks::{as_alone, goes_on_from_parts, goes_on_from_the_first};
 use femdem_contact::{Partner, PeriodicCell, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::material::{AnyMaterial, NeoHookean};
@@ -111,6 +111,7 @@ fn grains_in_a_cell_that_is_sheared_have_the_same_bits() {
     assert!(alone.time() > 0.1, "{}", alone.time());
     // In motion, with forces over the edges, which do work in the next half step.
     goes_on_from_the_first(&alone, 100);
+    goes_on_from_parts(&alone, 50);
     for size in [2, 3, 4] {
         as_alone(&alone, &world, size, 4000);
     }

@@ -4,6 +4,7 @@
 
 use crate::common::ranks::Threads;
 use crate::fracture::{model, rock, shaken};
+use crate::ranks::parts_for;
 use femdem_contact::{BodyId, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::fracture::{Strength, Weibull};
@@ -150,14 +151,11 @@ fn broken_bodies_have_the_same_bits_on_any_ranks() {
             let mut world = world.clone();
             world.share_out(halo).unwrap();
             run(&mut world, halo, STOP);
-            world.gather(halo).unwrap()
+            world.to_bytes().unwrap()
         });
-        // A checkpoint amid the cracks, from which others go on, which each have a checkpoint of their share on the way.
-        let stopped = stopped.into_iter().next().unwrap().unwrap();
-        let bytes = stopped.to_bytes().unwrap();
+        // Checkpoints of their shares amid the cracks, from which others go on, which each have one on the way.
         let parts = Threads::each(1 + size % 4, |halo| {
-            let given = (halo.rank() == 0).then(|| World::from_bytes(&bytes).unwrap());
-            let mut world = World::share_from_first(given, halo).unwrap();
+            let mut world = World::share_parts(parts_for(&stopped, halo), halo).unwrap();
             change(&mut world, halo);
             run(&mut world, halo, 1);
             world = World::from_bytes(&world.to_bytes().unwrap()).unwrap();

@@ -180,6 +180,99 @@ pub fn goes_on_from_the_first(world: &World, steps: u32) {
     }
 }
 
+/// The worlds that a rank reads of the parts of a whole: all ranks read all.
+pub fn parts_for(parts: &[Vec<u8>], halo: &dyn Halo) -> Vec<World> {
+    let own = parts.iter().skip(halo.rank()).step_by(halo.size());
+    own.map(|bytes| World::from_bytes(bytes).unwrap()).collect()
+}
+
+/// The parts of a world over so many ranks, after some steps.
+fn parts_after(world: &World, size: usize, steps: u32) -> Vec<Vec<u8>> {
+    Threads::each(size, |halo| {
+        let mut world = world.clone();
+        world.share_out(halo).unwrap();
+        for _ in 0..steps {
+            world.step_on(halo).unwrap();
+        }
+        world.to_bytes().unwrap()
+    })
+}
+
+/// What some ranks have made of a world is one world again, or goes on over other ranks, to the bits of one of its own.
+pub fn goes_on_from_parts(world: &World, steps: u32) {
+    let mut alone = world.clone();
+    for _ in 0..steps {
+        alone.step().unwrap();
+    }
+    let parts = parts_after(world, 3, steps);
+    let read = parts.iter().map(|bytes| World::from_bytes(bytes));
+    let mut whole = World::of_parts(read).unwrap();
+    let checksum = |world: &World| world.checksum_of_motion().unwrap();
+    assert_eq!(checksum(&whole), checksum(&alone));
+    for world in [&mut alone, &mut whole] {
+        for _ in 0..steps {
+            world.step().unwrap();
+        }
+    }
+    let expected = checksum(&alone);
+    assert_eq!(checksum(&whole), expected);
+    for size in [1, 2, 5] {
+        let worlds = Threads::each(size, |halo| {
+            let mut world = World::share_parts(parts_for(&parts, halo), halo).unwrap();
+            let own = world.own_bodies(0).count();
+            assert!(size == 1 || own < world.count_in_whole(), "{own} bodies");
+            for _ in 0..steps {
+                world.step_on(halo).unwrap();
+            }
+            let found = world.checksum_of_motion_on(halo).unwrap();
+            assert_eq!(found, expected, "{size} ranks");
+            world.gather(halo).unwrap()
+        });
+        let found = worlds.into_iter().flatten().next().unwrap();
+        let books = [&alone, &found].map(World::ledger);
+        let missing = (books[0].error() - books[1].error()).abs();
+        assert!(missing < 1e-9 * books[0].exchanged, "{missing:e}");
+    }
+}
+
+#[test]
+fn a_pile_goes_on_from_its_parts() {
+    goes_on_from_parts(&pile(false), 200);
+    let mut sleepy = pile(true);
+    while sleepy.awake_count() == COUNT {
+        sleepy.step().unwrap();
+    }
+    goes_on_from_parts(&sleepy, 100);
+}
+
+#[test]
+fn parts_that_are_no_whole_are_refused() {
+    let world = pile(false);
+    let [parts, later] = [20, 21].map(|steps| parts_after(&world, 3, steps));
+    let mixed = [&parts[..2], &later[2..]].concat();
+    let twice = [&parts[..2], &parts[1..2]].concat();
+    for (parts, why) in [
+        (&parts[..2], "do not have all bodies"),
+        (&mixed[..], "at one time"),
+        (&twice[..], "number of a body"),
+        (&[world.to_bytes().unwrap()], "was not shared out"),
+        (&[], "at least one part"),
+    ] {
+        let read = parts.iter().map(|bytes| World::from_bytes(bytes));
+        let refused = World::of_parts(read).unwrap_err().to_string();
+        assert!(refused.contains(why), "{refused}");
+    }
+    for parts in [&parts[..2], &mixed[..]] {
+        let refused = Threads::each(3, |halo| {
+            let shared = World::share_parts(parts_for(parts, halo), halo);
+            shared.unwrap_err().to_string()
+        });
+        for refused in refused {
+            assert!(refused.contains("do not have all bodies"), "{refused}");
+        }
+    }
+}
+
 #[test]
 fn a_pile_in_motion_is_shared_from_the_first() {
     let mut world = pile(true);

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 use crate::common::ranks::Threads;
-use crate::ranks::{as_alone, comes_and_goes_alike, goes_on_from_the_first};
+use crate::ranks::{as_alone, comes_and_goes_alike, goes_on_from_parts, goes_on_from_the_first};
 use femdem_contact::{ContactParameters, Partner, PeriodicCell, Wall};
 use femdem_fem::element::Element;
 use femdem_fem::material::{AnyMaterial, J2, NeoHookean};
@@ -243,6 +243,7 @@ fn a_heap_in_motion_is_shared_from_the_first() {
         world.step().unwrap();
     }
     goes_on_from_the_first(&world, 200);
+    goes_on_from_parts(&world, 50);
 }
 
 #[test]

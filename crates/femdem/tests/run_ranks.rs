@@ -8,10 +8,11 @@ use std::path::Path;
 
 use femdem::run::{Ending, Member, Part, Run, Scenario};
 use femdem::solve::{Alone, Halo};
+use femdem::{Error, Usage};
 
 use crate::threads::Threads;
 
-const STONES: &str = r#"
+pub const STONES: &str = r#"
 duration = 3
 every = 0.04
 
@@ -37,16 +38,16 @@ copies = { count = [7, 2, 2], spacing = [0.058, 0.07, 0.07], seed = 1 }
 "#;
 
 /// The frames and tables of a run, and why it ended and when.
-type Result = (BTreeMap<String, Vec<u8>>, Option<Ending>, f64);
+pub type Result = (BTreeMap<String, Vec<u8>>, Option<Ending>, f64);
 
 /// Where bodies may break, of the end.
 const TABLES: [&str; 3] = ["cracks.vtp", "fragments.csv", "events.csv"];
 
 /// What a run has made; one in which bodies broke is ended, which writes their tables.
-fn result(run: &mut Run, folder: &Path) -> Result {
+pub fn result(run: &mut Run, folder: &Path) -> Result {
     let ending = run.ending();
     if run.simulation().members.iter().any(|m| m.of.is_some()) {
-        run.finish(folder, &femdem::Usage::default()).unwrap();
+        run.finish(folder, &Usage::default()).unwrap();
     }
     let files = fs::read_dir(folder.join("frames")).unwrap();
     let file = |entry: std::io::Result<fs::DirEntry>| {
@@ -65,17 +66,23 @@ fn result(run: &mut Run, folder: &Path) -> Result {
 
 /// A rank's part of a run to its end, or so many steps, with what the first one has made.
 fn on_rank(text: &str, folder: &Path, steps: u64, halo: &mut dyn Halo) -> Option<Run> {
-    let run = (halo.rank() == 0).then(|| {
+    let mut run = (halo.rank() == 0).then(|| {
         let mut run = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
         run.advance(folder, 0).unwrap();
         run
     });
-    finish(run, folder, steps, halo)
+    let part = Part::share_out(run.as_mut(), halo).unwrap();
+    finish(part, run, folder, steps, halo)
 }
 
-/// The same of a run that the first rank has.
-fn finish(mut run: Option<Run>, folder: &Path, steps: u64, halo: &mut dyn Halo) -> Option<Run> {
-    let mut part = Part::share_out(run.as_mut(), halo).unwrap();
+/// The same of a part and, on the first rank, its run; with a checkpoint at the end.
+fn finish(
+    mut part: Part,
+    mut run: Option<Run>,
+    folder: &Path,
+    steps: u64,
+    halo: &mut dyn Halo,
+) -> Option<Run> {
     assert!(part.is_relaxing() || part.world().own_bodies(0).next().is_some());
     let mut ended = false;
     while !ended && part.steps() < steps {
@@ -86,13 +93,24 @@ fn finish(mut run: Option<Run>, folder: &Path, steps: u64, halo: &mut dyn Halo) 
             ended = part.go_on(run.as_mut(), folder, halo).unwrap();
         }
     }
-    if !ended && !part.is_relaxing() {
-        part.go_on(run.as_mut(), folder, halo).unwrap();
-    }
+    save(&mut part, run.as_mut(), folder, halo).unwrap();
     run
 }
 
-fn alone(text: &str) -> Result {
+/// Writes a checkpoint.
+pub fn save(
+    part: &mut Part,
+    mut run: Option<&mut Run>,
+    folder: &Path,
+    halo: &mut dyn Halo,
+) -> std::result::Result<(), Error> {
+    if let Some(run) = &mut run {
+        run.flush(folder)?;
+    }
+    part.save(run, folder, &Usage::default(), halo)
+}
+
+pub fn alone(text: &str) -> Result {
     let folder = tempfile::tempdir().unwrap();
     let mut run = Run::new(Scenario::from_toml(text).unwrap()).unwrap();
     run.advance(folder.path(), u64::MAX).unwrap();
@@ -107,19 +125,16 @@ fn shared(text: &str, size: usize) -> Result {
 }
 
 /// A run over ranks that is stopped after so many steps, with a checkpoint.
-fn stopped(text: &str, folder: &Path, steps: u64, size: usize) -> Run {
+pub fn stopped(text: &str, folder: &Path, steps: u64, size: usize) -> Run {
     let runs = Threads::each(size, |halo| on_rank(text, folder, steps, halo));
-    let mut first = runs.into_iter().flatten().next().unwrap();
-    first.flush(folder).unwrap();
-    first.save(folder, &femdem::Usage::default()).unwrap();
-    first
+    runs.into_iter().flatten().next().unwrap()
 }
 
 /// The same to its end, on from its checkpoint, by so many ranks.
-fn resumed(folder: &Path, size: usize) -> Run {
+pub fn resumed(folder: &Path, size: usize) -> Run {
     let runs = Threads::each(size, |halo| {
-        let read = || Run::read(folder).unwrap().0;
-        finish((halo.rank() == 0).then(read), folder, u64::MAX, halo)
+        let (part, read) = Part::resume(folder, halo).unwrap();
+        finish(part, read.map(|(run, _)| run), folder, u64::MAX, halo)
     });
     runs.into_iter().flatten().next().unwrap()
 }
@@ -405,11 +420,7 @@ fn what_breaks_over_ranks_is_what_breaks_alone() {
     let rows = |name: &str| expected.0[name].split(|&c| c == b'\n').count() - 2;
     let broken = TABLES.map(|name| expected.0[name].len());
     assert!(broken[0] > 1000 && rows(TABLES[1]) > 8 && rows(TABLES[2]) > 20);
-    let passed = run
-        .finish(folder.path(), &femdem::Usage::default())
-        .unwrap()
-        .flow["line"]
-        .bodies;
+    let passed = run.finish(folder.path(), &Usage::default()).unwrap().flow["line"].bodies;
     assert!(passed > 0, "{passed}");
     let members = &run.simulation().members;
     let pieces = members.iter().filter(|member| member.of.is_some()).count();

@@ -4,6 +4,8 @@ use femdem_solve::{Halo, SolveError, checkpoint};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::Error;
+
 /// The items of all ranks, by rank.
 pub(in crate::run) fn of_all<T: Serialize + DeserializeOwned>(
     own: Vec<T>,
@@ -25,4 +27,17 @@ pub(in crate::run) fn of_all<T: Serialize + DeserializeOwned>(
         all.extend(part);
     }
     Ok(all)
+}
+
+/// What a rank has made, unless it or another has failed: then all have an error, which says why.
+pub(in crate::run) fn or_error_of_another<T>(
+    made: Result<T, Error>,
+    halo: &mut dyn Halo,
+) -> Result<T, Error> {
+    let own = made.as_ref().err().map(ToString::to_string);
+    let errors = of_all(own.into_iter().collect(), halo)?;
+    match (made, errors.into_iter().next()) {
+        (Ok(_), Some(why)) => Err(SolveError::Ranks { why }.into()),
+        (made, _) => made,
+    }
 }

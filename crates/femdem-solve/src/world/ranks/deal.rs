@@ -10,7 +10,7 @@ use crate::error::SolveError;
 use crate::halo::{Alone, Halo};
 use crate::ledger::Flows;
 use crate::world::World;
-use crate::world::time_step::{LARGEST_MOVE, StepControl};
+use crate::world::time_step::LARGEST_MOVE;
 use femdem_contact::{BodyId, PairRecord};
 use femdem_mesh::Vector3;
 use std::collections::BTreeMap;
@@ -69,22 +69,13 @@ impl World {
         let whole = Whole::of(&world, &mut Alone)?;
         let (costs, (parts, _)) = (world.costs(), world.take_apart()?);
         let frame = (world.to_bytes()?, &whole, &parts.newcomers);
-        let frame = checkpoint::encode(&frame)?;
-        for rank in 1..halo.size() {
-            halo.send(vec![(rank, frame.clone())])?;
-        }
+        from_first(Some(checkpoint::encode(&frame)?), halo)?;
         world.receive(&costs, whole, parts, halo)
     }
 
     /// The part of a rank that is not the first of what that one [gives](Self::share_from_first).
     fn share_with_first(halo: &mut dyn Halo) -> Result<Self, SolveError> {
-        let mut frame = Vec::new();
-        for rank in 1..halo.size() {
-            let received = halo.send(Vec::new())?;
-            if let Some((0, bytes)) = received.into_iter().next().filter(|_| rank == halo.rank()) {
-                frame = bytes;
-            }
-        }
+        let frame = from_first(None, halo)?;
         let (frame, whole, newcomers): (Vec<u8>, Whole, _) = checkpoint::decode(&frame)?;
         let parts = Parts {
             newcomers,
@@ -178,46 +169,11 @@ impl World {
         let map = self.map(&cuts);
         let own = parts.members.iter();
         let own = own.map(|member| (member.number, map.owner(&member.place())));
-        let guests = guests.iter().map(|(number, x)| (*number, map.owner(x)));
+        let guests = guests.iter();
+        let guests = guests.map(|member| (member.number, map.owner(&member.place())));
         let owners = own.chain(guests).collect();
         let parts = self.pass_on((&cuts, &whole), parts, &owners, halo)?;
         self.keep(cuts, whole, parts, halo)
-    }
-
-    /// All bodies in one world on the first rank, as if there were no others; the world here stays as it is. The models that bodies
-    /// which have cracked have alone are numbered by their bodies there.
-    ///
-    /// # Errors
-    /// [`SolveError::Ranks`] if the world was not shared out over these ranks, and what `halo` reports.
-    pub fn gather(&self, halo: &mut dyn Halo) -> Result<Option<Self>, SolveError> {
-        self.fits(halo)?;
-        let Some(share) = self.share.as_deref() else {
-            return Ok(Some(self.clone()));
-        };
-        let mut whole = self.clone();
-        let (parts, _) = whole.take_apart()?;
-        let mut all = parts.gathered(halo)?;
-        let books = (self.flows, self.initial_energy, self.step_control);
-        let received = halo.send(vec![(0, checkpoint::encode(&books)?)])?;
-        if halo.rank() > 0 {
-            return Ok(None);
-        }
-        (whole.flows, whole.initial_energy) = (Flows::default(), 0.0);
-        for (_, bytes) in received {
-            let (flows, initial, control): (Flows, f64, StepControl) = checkpoint::decode(&bytes)?;
-            whole.flows += flows;
-            whole.initial_energy += initial;
-            whole.step_control.join(&control);
-        }
-        all.members.sort_by_key(|member| member.number);
-        // All numbers of the whole are among what came, before lists of so many are made.
-        let Whole { total, vacant, .. } = &share.whole;
-        let fits = all.members.iter().all(|member| member.number < *total);
-        if !fits || all.members.len() + vacant.len() != *total as usize {
-            return Err(ranks("the ranks do not have all bodies of the whole"));
-        }
-        whole.put_all(*total, all)?;
-        Ok(Some(whole))
     }
 
     /// Where the own bodies are, and what they cost. A bond counts as a pair.
@@ -420,4 +376,19 @@ impl World {
         self.flows.last = [moving, self.flows.work_in, self.flows.load_work];
         Ok(())
     }
+}
+
+/// What the first rank gives, on all ranks; no more than one copy is on its way.
+pub(super) fn from_first(
+    given: Option<Vec<u8>>,
+    halo: &mut dyn Halo,
+) -> Result<Vec<u8>, SolveError> {
+    let mut bytes = Vec::new();
+    for rank in 1..halo.size() {
+        let message = given.iter().map(|given| (rank, given.clone())).collect();
+        for (_, received) in halo.send(message)? {
+            bytes = received;
+        }
+    }
+    Ok(given.unwrap_or(bytes))
 }

@@ -12,6 +12,7 @@ mod break_up;
 mod cuts;
 mod deal;
 mod edges;
+mod gather;
 mod join;
 mod leave;
 mod map;
@@ -232,6 +233,16 @@ impl World {
     /// Whether the world has a part of the bodies of a whole.
     pub fn is_shared(&self) -> bool {
         self.share.is_some()
+    }
+
+    /// Whether a body of the whole may break.
+    #[must_use]
+    pub fn may_break(&self) -> bool {
+        let mut own = self.own_nodes();
+        match &self.share {
+            Some(share) => !share.whole.looks.is_empty(),
+            None => own.any(|(_, nodes, _)| nodes.breakable.is_some()),
+        }
     }
 
     /// Whether a body belongs to another rank.

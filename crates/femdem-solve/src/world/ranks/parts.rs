@@ -12,7 +12,7 @@ use femdem_contact::bond::Bond;
 use femdem_contact::{BodyId, BodyRecord, Motion, PairRecord, Partner};
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// A body with all that its owner knows of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -74,7 +74,7 @@ pub(super) struct Parts {
 }
 
 /// Bodies and nodes, or pairs, that ranks send each other at a time: what is on its way is small beside what a rank keeps.
-const PORTION: usize = 1 << 14;
+const PORTION: usize = 1 << 12;
 
 impl Member {
     /// Its share of a portion.
@@ -83,22 +83,38 @@ impl Member {
     }
 }
 
-/// A list in portions of so much weight, or of one that is heavier.
-fn in_portions<T>(list: Vec<T>, weight: impl Fn(&T) -> usize) -> Vec<Vec<T>> {
-    let mut portions: Vec<Vec<T>> = Vec::new();
+/// A list in portions of so much weight, or of one that is heavier. They are cut off its end, so that there is no second copy of it.
+fn in_portions<T>(
+    mut list: Vec<T>,
+    weight: impl Fn(&T) -> usize,
+) -> impl ExactSizeIterator<Item = Vec<T>> {
+    let mut starts: Vec<usize> = Vec::new();
     let mut room = 0;
-    for item in list {
-        let own = weight(&item);
-        if own > room || portions.is_empty() {
-            portions.push(Vec::new());
+    for (at, own) in list.iter().map(weight).enumerate() {
+        if own > room || starts.is_empty() {
+            starts.push(at);
             room = PORTION;
         }
         room = room.saturating_sub(own);
-        if let Some(last) = portions.last_mut() {
-            last.push(item);
-        }
     }
-    portions
+    let mut portions = Vec::with_capacity(starts.len());
+    for start in starts.into_iter().rev() {
+        portions.push(list.split_off(start));
+        list.shrink_to_fit();
+    }
+    portions.into_iter().rev()
+}
+
+/// The items of a list in their order, which gives memory back on the way.
+fn released<T>(mut list: Vec<T>) -> impl Iterator<Item = T> {
+    list.reverse();
+    std::iter::from_fn(move || {
+        let item = list.pop();
+        if list.len().is_multiple_of(PORTION) {
+            list.shrink_to_fit();
+        }
+        item
+    })
 }
 
 impl Parts {
@@ -107,12 +123,11 @@ impl Parts {
         self,
         halo: &mut dyn Halo,
     ) -> Result<impl Iterator<Item = Self> + use<>, SolveError> {
-        let members = in_portions(self.members, Member::weight);
-        let pairs = in_portions(self.pairs, |_| 1);
+        let mut members = in_portions(self.members, Member::weight);
+        let mut pairs = in_portions(self.pairs, |_| 1);
         let mut least = [members.len(), pairs.len()].map(|length| -(length as f64));
         halo.least(&mut least)?;
         let [of_members, of_pairs] = least.map(|most| -most as usize);
-        let (mut members, mut pairs) = (members.into_iter(), pairs.into_iter());
         Ok((0..of_members + of_pairs).map(move |at| {
             let mut portion = Self::default();
             if at < of_members {
@@ -151,25 +166,15 @@ impl Parts {
 }
 
 impl World {
-    /// Takes the bodies out: those of this rank, with the pairs whose B is one of them; and where the guests are, m.
-    pub(super) fn take_apart(&mut self) -> Result<(Parts, BTreeMap<BodyId, Vector3>), SolveError> {
-        let (all, is_own) = self.take_all()?;
-        let mut parts = Parts {
-            newcomers: all.newcomers,
-            ..Parts::default()
-        };
-        let mut guests = BTreeMap::new();
-        for member in all.members {
-            if is_own(member.number) {
-                parts.members.push(member);
-            } else {
-                guests.insert(member.number, member.place());
-            }
-        }
-        let own = all.pairs.into_iter();
-        let own = own.filter(|pair| is_own(pair.sides().1));
-        let (ended, pairs) = own.partition(has_ended);
-        (parts.ended, parts.pairs) = (ended, pairs);
+    /// Takes the bodies out: those of this rank, with the pairs whose B is one of them; and the guests.
+    pub(super) fn take_apart(&mut self) -> Result<(Parts, Vec<Member>), SolveError> {
+        let (mut parts, is_own) = self.take_all()?;
+        let guests = parts
+            .members
+            .extract_if(.., |member| !is_own(member.number));
+        let guests = guests.collect();
+        parts.pairs.retain(|pair| is_own(pair.sides().1));
+        parts.ended = parts.pairs.extract_if(.., |pair| has_ended(pair)).collect();
         if let Some(share) = &mut self.share {
             parts.ended.append(&mut share.ended);
         }
@@ -198,17 +203,22 @@ impl World {
             pairs: pairs.filter_map(|pair| pair.renumbered(number)).collect(),
             ..Parts::default()
         };
-        for (id, mut record) in records {
-            let i = id as usize;
-            let Some(number) = number(id) else { continue };
+        let bodies = released(std::mem::take(&mut self.bodies));
+        let motions = released(std::mem::take(&mut self.motions));
+        let mut places = (0..).zip(bodies.zip(motions));
+        for (id, mut record) in released(records) {
+            let place = places.find(|(place, _)| *place == id);
+            let Some(((_, (body, motion)), number)) = place.zip(number(id)) else {
+                continue;
+            };
             let nodes = match &mut self.deformables {
                 Some(deformables) => deformables.take(id, &mut record, &mut models),
                 None => None,
             };
             all.members.push(Member {
                 number,
-                body: std::mem::replace(&mut self.bodies[i], Body::vacant()),
-                motion: self.motions[i],
+                body,
+                motion,
                 record,
                 nodes: nodes.map(Box::new),
             });
@@ -216,8 +226,6 @@ impl World {
         if let Some(deformables) = &mut self.deformables {
             deformables.empty(0);
         }
-        self.bodies.clear();
-        self.motions.clear();
         self.ahead.clear();
         self.awake.clear();
         Ok((all, move |number| !guests.contains(&number)))
@@ -239,7 +247,7 @@ impl World {
             .collect();
         self.newcomers = newcomers.renumbered(local);
         let total = members.len() as BodyId;
-        let members = members.into_iter();
+        let members = released(members);
         let members = (0..).zip(members.map(|(member, owner)| (member, owner != rank)));
         self.put(total, members, pairs)?;
         Ok(numbers)
@@ -248,7 +256,7 @@ impl World {
     /// The bodies of all ranks, ascending by number, in the world of one.
     pub(super) fn put_all(&mut self, total: u32, parts: Parts) -> Result<(), SolveError> {
         self.newcomers = parts.newcomers;
-        let members = parts.members.into_iter();
+        let members = released(parts.members);
         let members = members.map(|member| (member.number, (member, false)));
         let pairs = parts.pairs.into_iter().chain(parts.ended);
         self.put(total, members, pairs.collect())
@@ -288,21 +296,6 @@ impl World {
         self.batch.give_bodies(total, records, pairs)?;
         // What came from others is not trusted.
         self.check_stored()
-    }
-
-    /// A checksum of all bits of the motion: of the bodies, the contacts and their friction, and what is remembered of them, in
-    /// the order of their numbers. It is the same for any number of threads and of ranks (where all are in one world:
-    /// [`gather`](Self::gather)); the books are not part of it.
-    ///
-    /// # Errors
-    /// As [`share_out`](Self::share_out) for what cannot be shared.
-    pub fn checksum_of_motion(&self) -> Result<u64, SolveError> {
-        self.not_shared("a checksum")?;
-        let (mut parts, _) = self.clone().take_apart()?;
-        parts.pairs.append(&mut parts.ended);
-        parts.pairs.sort_by_key(PairRecord::sides);
-        let all = (self.time, self.steps, self.step_control);
-        checkpoint::hash(&(all, parts.members, parts.pairs))
     }
 }
 

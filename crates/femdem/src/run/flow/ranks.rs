@@ -24,9 +24,9 @@ pub(in crate::run) struct SharedFlow {
 }
 
 impl SharedFlow {
-    pub fn of(simulation: &Simulation) -> Self {
+    pub fn of(simulation: &Simulation, may_break: bool) -> Self {
         let flow = simulation.flow.clone();
-        let is_listed = flow.is_counted() || simulation.has_breakable();
+        let is_listed = flow.is_counted() || may_break;
         let listed = is_listed.then_some(&simulation.members);
         let mut shared = Self {
             flow,

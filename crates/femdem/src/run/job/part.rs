@@ -5,11 +5,13 @@ use std::path::Path;
 use femdem_solve::{Halo, SolveError, World, checkpoint};
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
 use crate::run::flow::SharedFlow;
+use crate::run::gather::{of_all, or_error_of_another};
 use crate::run::load::LoadedMembers;
+use crate::run::saved::{PartFiles, Saved};
 use crate::run::stillness::{STEPS_BETWEEN_LOOKS, Stillness};
 use crate::run::{Controls, Run, Scenario};
+use crate::{Error, Usage};
 
 /// What a rank needs to step its part of a run: the first one has the [`Run`] besides, which writes the files.
 pub struct Part {
@@ -23,6 +25,8 @@ pub struct Part {
     may_rest: bool,
     /// Steps of the relaxation, by the first rank, once the motion has ended.
     relaxed: Option<u64>,
+    /// Number of the last checkpoint.
+    checkpoint: u64,
 }
 
 /// What all ranks get of a run besides its world.
@@ -34,25 +38,27 @@ struct Shared {
     flow: SharedFlow,
     stillness: Stillness,
     relaxed: Option<u64>,
+    files: PartFiles,
+    /// Whether these have the parts of other ranks than the first.
+    has_parts: bool,
 }
 
 impl Run {
     /// What it gives to ranks besides its world, if they can share it.
-    fn to_share(&self) -> Result<Shared, Error> {
+    fn to_share(&self, files: PartFiles) -> Result<Shared, Error> {
         self.steps_elsewhere()?;
         let simulation = &self.simulation;
         simulation.world.can_be_shared()?;
+        let may_break = simulation.world.may_break();
         Ok(Shared {
             scenario: self.scenario.to_toml()?,
             controls: simulation.controls.clone(),
-            loads: LoadedMembers::of(
-                &simulation.loads,
-                &simulation.members,
-                simulation.has_breakable(),
-            ),
-            flow: SharedFlow::of(simulation),
+            loads: LoadedMembers::of(&simulation.loads, &simulation.members, may_break),
+            flow: SharedFlow::of(simulation, may_break),
             stillness: self.stillness,
             relaxed: self.steps_relaxed(),
+            files,
+            has_parts: simulation.world.is_shared(),
         })
     }
 
@@ -63,15 +69,52 @@ impl Run {
 
 impl Part {
     /// Shares a run out over ranks: the first one gives it, and no other. Its world is empty until
-    /// [`go_on`](Self::go_on), unless its bodies are being relaxed: those it keeps.
+    /// [`go_on`](Self::go_on) has ended its motion, unless its bodies are being relaxed: those it keeps.
     ///
     /// # Errors
     ///
     /// [`Error::Option`] for what ranks cannot do, as [`Run::steps_elsewhere`], and those of [`World::share_from_first`].
     pub fn share_out(run: Option<&mut Run>, halo: &mut dyn Halo) -> Result<Self, Error> {
+        Self::begin(run, PartFiles::default(), Path::new(""), halo)
+    }
+
+    /// Goes on from the checkpoint in a folder, which any ranks have written, or one process. Each rank reads some of the parts. The
+    /// first one gets the run, as in [`share_out`](Self::share_out), and its cost so far.
+    ///
+    /// # Errors
+    ///
+    /// As [`Run::read`] and [`share_out`](Self::share_out); an error of one rank is that of all.
+    pub fn resume(
+        folder: &Path,
+        halo: &mut dyn Halo,
+    ) -> Result<(Self, Option<(Run, Usage)>), Error> {
+        let read = match halo.rank() {
+            0 => Saved::read(folder).map(Some),
+            _ => Ok(None),
+        };
+        let Some(saved) = or_error_of_another(read, halo)? else {
+            let part = Self::begin(None, PartFiles::default(), folder, halo)?;
+            return Ok((part, None));
+        };
+        let Saved {
+            mut run,
+            usage,
+            parts,
+        } = saved;
+        let part = Self::begin(Some(&mut run), parts, folder, halo)?;
+        Ok((part, Some((run, usage))))
+    }
+
+    /// Shares a run out, whose world may be the first of parts that are in files.
+    fn begin(
+        run: Option<&mut Run>,
+        files: PartFiles,
+        folder: &Path,
+        halo: &mut dyn Halo,
+    ) -> Result<Self, Error> {
         let (mut mine, mut given, mut refused) = (None, None, None);
         if let Some(run) = run {
-            match run.to_share() {
+            match run.to_share(files) {
                 Ok(parts) => {
                     let world = &mut run.simulation.world;
                     let mut own = World::new(*world.parameters())?;
@@ -100,8 +143,15 @@ impl Part {
         let (_, bytes) = received.first().ok_or_else(none)?;
         let sent: Option<Shared> = checkpoint::decode(bytes)?;
         let shared = sent.ok_or_else(none)?;
+        let world = match shared.has_parts {
+            true => {
+                let own = of_rank(given, &shared.files, folder, halo);
+                World::share_parts(or_error_of_another(own, halo)?, halo)?
+            }
+            false => World::share_from_first(given, halo)?,
+        };
         Ok(Self {
-            world: World::share_from_first(given, halo)?,
+            world,
             scenario: Scenario::from_toml(&shared.scenario)?,
             controls: shared.controls,
             loads: shared.loads,
@@ -109,6 +159,7 @@ impl Part {
             stillness: shared.stillness,
             may_rest: false,
             relaxed: shared.relaxed,
+            checkpoint: shared.files.number,
         })
     }
 
@@ -185,6 +236,53 @@ impl Part {
         Ok(self.stillness.look(&rest, time, energy, more))
     }
 
+    /// Writes a checkpoint into a folder that all ranks have: each writes its part, and the first one the run, in a file that names
+    /// the parts and is put in place last; an earlier checkpoint stays until then. Call [`Run::flush`] first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Run::save`]; an error of one rank is that of all.
+    pub fn save(
+        &mut self,
+        run: Option<&mut Run>,
+        folder: &Path,
+        usage: &Usage,
+        halo: &mut dyn Halo,
+    ) -> Result<(), Error> {
+        if self.is_relaxing() {
+            let saved = run.map_or(Ok(()), |run| run.save(folder, usage));
+            return or_error_of_another(saved, halo);
+        }
+        self.checkpoint += 1;
+        let mut files = PartFiles {
+            number: self.checkpoint,
+            seals: Vec::new(),
+        };
+        let rank = halo.rank();
+        let others = (rank > 0).then(|| files.write(folder, rank, &self.world));
+        let written = or_error_of_another(others.transpose(), halo);
+        if written.is_err() && rank > 0 {
+            files.forget(folder, rank);
+        }
+        files.seals = of_all(written?.into_iter().collect(), halo)?;
+        let mut saved = Ok(());
+        if let Some(run) = run {
+            self.tell(run);
+            std::mem::swap(&mut self.world, &mut run.simulation.world);
+            saved = run.save_with(&files, folder, usage);
+            std::mem::swap(&mut self.world, &mut run.simulation.world);
+        }
+        or_error_of_another(saved, halo)
+    }
+
+    /// Tells the run what has become of it but for its world.
+    fn tell(&self, run: &mut Run) {
+        run.simulation.controls = self.controls.clone();
+        self.flow.give_back(&mut run.simulation);
+        self.loads.give_back(&mut run.simulation.loads);
+        run.stillness = self.stillness;
+    }
+
     /// Shows all bodies to the run, on the first rank, which writes into `folder` what is due, or relaxes them for a part of the
     /// steps of a relaxation. Returns whether the run has ended.
     ///
@@ -204,11 +302,13 @@ impl Part {
         } else {
             let whole = self.world.gather(halo)?;
             if let Some((run, whole)) = run.as_deref_mut().zip(whole) {
-                run.simulation.controls = self.controls.clone();
-                self.flow.give_back(&mut run.simulation);
-                self.loads.give_back(&mut run.simulation.loads);
-                run.stillness = self.stillness;
+                self.tell(run);
                 run.go_on_with(whole, self.may_rest, folder)?;
+                let goes_on = run.ending.is_none() && run.relaxing.is_none();
+                if goes_on {
+                    let world = &mut run.simulation.world;
+                    *world = World::new(*world.parameters())?;
+                }
             }
         }
         let mut now = [0; 3];
@@ -225,4 +325,21 @@ impl Part {
         self.relaxed = (relaxes > 0).then_some(relaxed);
         Ok(ended > 0)
     }
+}
+
+/// The parts that fall to a rank, which are in files but for the first.
+fn of_rank(
+    first: Option<World>,
+    files: &PartFiles,
+    folder: &Path,
+    halo: &dyn Halo,
+) -> Result<Vec<World>, Error> {
+    let mut own: Vec<World> = first.into_iter().collect();
+    let all = 0..=files.seals.len();
+    for part in all.skip(halo.rank()).step_by(halo.size()) {
+        if part > 0 {
+            own.push(files.read(folder, part)?);
+        }
+    }
+    Ok(own)
 }

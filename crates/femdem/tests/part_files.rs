@@ -1,0 +1,154 @@
+//! Checkpoints over ranks, a file for each: whole, or the one before.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+use std::fs;
+use std::path::Path;
+
+use femdem::run::{Part, RUN_CHECKPOINT, Run};
+
+use crate::run_ranks::{STONES, alone, result, resumed, save, stopped};
+use crate::threads::Threads;
+
+/// Stones that fall and slide, for a while.
+fn scene() -> String {
+    STONES.replace("duration = 3", "duration = 0.2")
+}
+
+/// Names of the files of the parts, ascending.
+fn parts(folder: &Path) -> Vec<String> {
+    let files = fs::read_dir(folder.join("parts")).into_iter().flatten();
+    let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_checkpoint_of_ranks_is_read_by_one_process_and_by_any_ranks() {
+    let text = scene();
+    let expected = alone(&text);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    stopped(&text, path, 150, 3);
+    assert_eq!(parts(path), ["1-1.ckpt", "1-2.ckpt"]);
+    let copy = tempfile::tempdir().unwrap();
+    for name in ["run.ckpt", "parts/1-1.ckpt", "parts/1-2.ckpt"] {
+        fs::create_dir_all(copy.path().join("parts")).unwrap();
+        fs::copy(path.join(name), copy.path().join(name)).unwrap();
+    }
+    let read = Run::read(path).unwrap().0;
+    assert_eq!(read.simulation().world.steps(), 150);
+    assert_eq!(read.simulation().world.body_count(), 28);
+    // More ranks than parts; they write parts of their own.
+    let mut last = resumed(path, 4);
+    assert_eq!(parts(path), ["2-1.ckpt", "2-2.ckpt", "2-3.ckpt"]);
+    assert!(result(&mut last, path) == expected);
+    let [ended, whole] = [Run::read(path).unwrap().0, last].map(|run| {
+        let world = &run.simulation().world;
+        (run.ending(), world.checksum_of_motion().unwrap())
+    });
+    assert_eq!(ended, whole);
+
+    let (run, usage) = Run::read(copy.path()).unwrap();
+    run.save(copy.path(), &usage).unwrap();
+    assert!(parts(copy.path()).is_empty() && !copy.path().join("parts").exists());
+    let (mut run, _) = Run::read(copy.path()).unwrap();
+    run.advance(copy.path(), u64::MAX).unwrap();
+    assert_eq!(
+        run.simulation().world.checksum_of_motion().unwrap(),
+        whole.1
+    );
+}
+
+#[test]
+fn parts_that_do_not_belong_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    stopped(&scene(), path, 20, 3);
+    let [first, second] = ["1-1.ckpt", "1-2.ckpt"].map(|name| path.join("parts").join(name));
+    let good = fs::read(&second).unwrap();
+    let version = |add: u8| {
+        let mut bytes = good.clone();
+        bytes[8] = bytes[8].wrapping_add(add);
+        bytes
+    };
+    let mut altered = good.clone();
+    let last = altered.len() - 1;
+    altered[last] ^= 1;
+    let damages = [
+        (None, "cannot read"),
+        (Some(good[..last].to_vec()), "cut short"),
+        (Some(altered), "bytes were altered"),
+        (Some(version(1)), "it is of version"),
+        (Some(version(255)), "it is of version"),
+        (Some(fs::read(&first).unwrap()), "of another checkpoint"),
+        (
+            Some(fs::read(path.join(RUN_CHECKPOINT)).unwrap()),
+            "it holds a \"run\"",
+        ),
+    ];
+    for (bytes, why) in damages {
+        match bytes {
+            Some(bytes) => fs::write(&second, bytes).unwrap(),
+            None => fs::remove_file(&second).unwrap(),
+        }
+        let refused = Run::read(path).unwrap_err().to_string();
+        let named = |error: &str| error.contains("1-2.ckpt") && error.contains(why);
+        assert!(named(&refused), "{refused}");
+        for error in Threads::each(2, |halo| Part::resume(path, halo).err().unwrap()) {
+            assert!(named(&error.to_string()), "{error}");
+        }
+    }
+    fs::write(&second, &good).unwrap();
+    assert!(Run::read(path).is_ok());
+    fs::remove_file(path.join(RUN_CHECKPOINT)).unwrap();
+    for error in Threads::each(2, |halo| Part::resume(path, halo).err().unwrap()) {
+        assert!(error.to_string().contains(RUN_CHECKPOINT), "{error}");
+    }
+}
+
+/// A folder in the place of the file that is written first: of the part of one rank, or of the run.
+#[test]
+fn a_checkpoint_that_one_rank_cannot_write_leaves_the_old_one() {
+    let text = scene();
+    let expected = alone(&text);
+    for (blocked, stays) in [
+        (
+            "parts/2-1.ckpt.tmp",
+            vec!["1-1.ckpt", "1-2.ckpt", "2-1.ckpt.tmp"],
+        ),
+        (
+            "run.ckpt.tmp",
+            vec!["1-1.ckpt", "1-2.ckpt", "2-1.ckpt", "2-2.ckpt"],
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        stopped(&text, path, 100, 3);
+        fs::create_dir(path.join(blocked)).unwrap();
+        let errors = Threads::each(3, |halo| {
+            let (mut part, read) = Part::resume(path, halo).unwrap();
+            let mut run = read.map(|(run, _)| run);
+            for _ in 0..7 {
+                part.step(halo).unwrap();
+            }
+            let error = save(&mut part, run.as_mut(), path, halo).unwrap_err();
+            assert_eq!(part.world().steps(), 107);
+            error.to_string()
+        });
+        let name = blocked.rsplit('/').next().unwrap();
+        for error in errors {
+            assert!(
+                error.contains("cannot create") && error.contains(name),
+                "{error}"
+            );
+        }
+        assert_eq!(parts(path), stays);
+        assert_eq!(Run::read(path).unwrap().0.simulation().world.steps(), 100);
+        fs::remove_dir(path.join(blocked)).unwrap();
+        let mut last = resumed(path, 2);
+        assert!(result(&mut last, path) == expected);
+        assert_eq!(parts(path), ["2-1.ckpt"]);
+    }
+}
