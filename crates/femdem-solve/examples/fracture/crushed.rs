@@ -7,16 +7,22 @@ use femdem_mesh::{Point3, TetMesh};
 use std::collections::BTreeMap;
 use std::error::Error;
 
+/// A piece.
+pub struct Piece {
+    /// Sieve size over that of the grain, and mass, kg.
+    pub size: f64,
+    pub mass: f64,
+    pub tets: usize,
+}
+
 /// A grain that gave way.
-#[derive(Clone, Debug)]
 pub struct Crushed {
     /// Load over the square of the distance of the plates, Pa: at the first crack, and the largest.
     pub first: f64,
     pub strength: f64,
     /// Way of the plates over their distance.
     pub shortening: f64,
-    /// Sieve sizes of its pieces over its own, masses, kg, and tetrahedra.
-    pub pieces: Vec<(f64, f64, usize)>,
+    pub pieces: Vec<Piece>,
     /// Mean height of its elements over the largest with which cracks take the energy given.
     pub height: f64,
     /// Relative error of the ledger.
@@ -29,7 +35,7 @@ pub fn crush(unit: &TetMesh, number: u64, press: Press) -> Result<Crushed, Box<d
     let own = pressed.world.deformable(pressed.body).ok_or("no body")?;
     let cracks = own.cracks().ok_or("it cannot break")?;
     let height = cracks.element_height() / cracks.largest_height();
-    let whole = pieces(&pressed)?[0].0;
+    let whole = pieces(&pressed, 1.0)?[0].size;
     let (mut first, mut strength) = (0.0, 0.0_f64);
     loop {
         pressed.step()?;
@@ -45,19 +51,18 @@ pub fn crush(unit: &TetMesh, number: u64, press: Press) -> Result<Crushed, Box<d
             break;
         }
     }
-    let found = pieces(&pressed)?;
     Ok(Crushed {
         first,
         strength,
         shortening: pressed.shortening(),
-        pieces: found.iter().map(|p| (p.0 / whole, p.1, p.2)).collect(),
+        pieces: pieces(&pressed, whole)?,
         height,
         books: pressed.world.ledger().error_relative(),
     })
 }
 
-/// Sieve size, m, mass, kg, and tetrahedra of each piece, as they were without loads.
-fn pieces(pressed: &Pressed) -> Result<Vec<(f64, f64, usize)>, Box<dyn Error>> {
+/// The pieces, as they were without loads, for a grain of a sieve size, m.
+fn pieces(pressed: &Pressed, whole: f64) -> Result<Vec<Piece>, Box<dyn Error>> {
     let mut found = Vec::new();
     for id in pressed.world.deformable_ids() {
         let own = pressed.world.deformable(id).ok_or("no body")?;
@@ -65,16 +70,16 @@ fn pieces(pressed: &Pressed) -> Result<Vec<(f64, f64, usize)>, Box<dyn Error>> {
         let tets = model.mesh().tets();
         let mut parts = cracks.fragments();
         parts.resize(tets.len(), 0);
-        let mut pieces: BTreeMap<u32, (f64, usize, Vec<Point3>)> = BTreeMap::new();
+        let mut all: BTreeMap<u32, (f64, usize, Vec<Point3>)> = BTreeMap::new();
         for ((part, tet), volume) in parts.iter().zip(tets).zip(model.volumes()) {
-            let piece = pieces.entry(*part).or_default();
+            let piece = all.entry(*part).or_default();
             piece.0 += volume;
             piece.1 += 1;
             piece
                 .2
                 .extend(tet.map(|n| Point3::from(model.nodes()[n as usize])));
         }
-        for (volume, count, mut points) in pieces.into_values() {
+        for (volume, tets, mut points) in all.into_values() {
             points.sort_by(|a, b| {
                 a.x.total_cmp(&b.x)
                     .then(a.y.total_cmp(&b.y))
@@ -89,7 +94,11 @@ fn pieces(pressed: &Pressed) -> Result<Vec<(f64, f64, usize)>, Box<dyn Error>> {
                 extent: FragmentExtent::Points(&points),
             };
             let size = measure_fragments(&[fragment])?.fragments[0].sieve_size();
-            found.push((size, mass, count));
+            found.push(Piece {
+                size: size / whole,
+                mass,
+                tets,
+            });
         }
     }
     Ok(found)

@@ -225,9 +225,9 @@ pub fn crush(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     let found = found?;
     let mesh = format!("{} tetrahedra", ball.tets().len());
     for (number, grain) in found.iter().enumerate() {
-        let total: f64 = grain.pieces.iter().map(|p| p.1).sum();
-        let largest = grain.pieces.iter().map(|p| p.1).fold(0.0, f64::max);
-        let small = || grain.pieces.iter().filter(|p| p.2 <= 4);
+        let total: f64 = grain.pieces.iter().map(|p| p.mass).sum();
+        let largest = grain.pieces.iter().map(|p| p.mass).fold(0.0, f64::max);
+        let small = || grain.pieces.iter().filter(|p| p.tets <= 4);
         let values = [
             ("first crack", grain.first),
             ("largest load", grain.strength),
@@ -236,13 +236,16 @@ pub fn crush(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
             ("pieces", grain.pieces.len() as f64),
             ("largest piece", largest / total),
             ("small pieces", small().count() as f64),
-            ("mass of those", small().map(|p| p.1).sum::<f64>() / total),
+            (
+                "mass of those",
+                small().map(|p| p.mass).sum::<f64>() / total,
+            ),
             ("books", grain.books),
         ];
         print(out, ["crushed", &mesh, &format!("grain {number}")], &values)?;
     }
     let pieces = found.iter().flat_map(|grain| &grain.pieces);
-    let pieces: Vec<(f64, f64)> = pieces.map(|p| (p.0, p.1)).collect();
+    let pieces: Vec<(f64, f64)> = pieces.map(|p| (p.size, p.mass)).collect();
     let options = FragmentationOptions {
         parent_size: Some(1.0),
         ..FragmentationOptions::default()

@@ -1,9 +1,8 @@
 //! Tests of strength with known results.
 //!
 //! `cargo studies validate fracture` runs all but `disc`, which takes hours. Takes which test to run, for discs and blocks the number
-//! of one of them, from 0, for grains that of a part, for beams with a seam and plates the edge of one mesh, m, for bars the cells across of one. Prints lines
-//! of columns separated by tabs: `value`, test, mesh, setting,
-//! quantity, value.
+//! of one of them, from 0, for grains that of a part, for beams with a seam and plates the edge of one mesh, m, for bars the cells
+//! across of one. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
 
 mod bar;
 mod beam;
