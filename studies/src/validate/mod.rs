@@ -48,8 +48,9 @@ pub(crate) struct Options {
     seconds: Option<f64>,
 
     /// Folder with what the example of hertz (plane.tsv, two.tsv), spheres (glass.tsv, aluminium.tsv), fracture (bar.tsv,
-    /// block.tsv, opened.tsv, bent.tsv, burst.tsv, notched.tsv, struck.tsv, branch.tsv) or boulders-deformable (rest.tsv,
-    /// frozen.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of running it
+    /// block.tsv, opened.tsv, bent.tsv, burst.tsv, notched.tsv, struck.tsv, branch.tsv, grain.tsv, crushed.tsv) or
+    /// boulders-deformable (rest.tsv, frozen.tsv, 1.tsv, 2.tsv, 4.tsv, and the folder pack) printed earlier, instead of
+    /// running it
     #[arg(long, value_name = "DIR")]
     lines: Option<PathBuf>,
 }
@@ -84,7 +85,7 @@ enum Case {
     Spheres,
     /// 288 deformable boulders dumped in the paper's bin: rest, time, the same bits
     BouldersDeformable,
-    /// Bars, blocks and beams that break, against closed forms and a published formula
+    /// Bars, blocks, beams and grains that break, against closed forms and a published formula
     Fracture,
     /// A bed of cylinders in a tube, against X-ray tomography
     XrayBed,

@@ -1,9 +1,8 @@
 //! Tests of strength with known results.
 //!
 //! `cargo studies validate fracture` runs all but `disc`, which takes hours. Takes which test to run, for discs and blocks the number
-//! of one of them, from 0, for beams with a seam and plates the edge of one mesh, m, for bars the cells across of one. Prints lines
-//! of columns separated by tabs: `value`, test, mesh, setting,
-//! quantity, value.
+//! of one of them, from 0, for grains that of a part, for beams with a seam and plates the edge of one mesh, m, for bars the cells
+//! across of one. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
 
 mod bar;
 mod beam;
@@ -12,13 +11,18 @@ mod block;
 mod branch;
 mod burst;
 mod course;
+mod crushed;
 mod disc;
+mod grain;
+mod grains;
 mod line;
 mod mean;
 mod notched;
 mod opened;
 mod plate;
+mod scatter;
 mod setting;
+mod shape;
 mod struck;
 
 use std::error::Error;
@@ -37,8 +41,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         "branch" => branches(&mut out),
         "struck" => struck(&mut out),
         "notched" => notched(&mut out),
+        "grain" => grains::press(&mut out, number()?),
+        "crushed" => grains::crush(&mut out),
         _ => Err(
-            "say which: bar, block, disc, opened, bent, burst, branch, struck or notched".into(),
+            "say which: bar, block, disc, opened, bent, burst, branch, struck, notched, grain or crushed"
+                .into(),
         ),
     }
 }
@@ -56,6 +63,8 @@ fn print(
     values: &[(&str, f64)],
 ) -> Result<(), Box<dyn Error>> {
     for (quantity, value) in values {
+        // Sums of nothing are −0.
+        let value = value + 0.0;
         writeln!(
             out,
             "value\t{test}\t{mesh}\t{setting}\t{quantity}\t{value:.4e}"

@@ -28,7 +28,7 @@ pub const TENSILE: f64 = 5e6;
 const COHESION: f64 = 20e6;
 
 /// Tangent of the angle of internal friction.
-const SLOPE: f64 = 0.8;
+pub const SLOPE: f64 = 0.8;
 
 /// A rock of the given energy of fracture by opening, J/m²; five times as much by sliding.
 pub fn rock(energy: f64) -> Result<Fracture, Box<dyn Error>> {
