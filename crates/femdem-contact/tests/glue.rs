@@ -3,8 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use femdem_contact::glue::{
-    GlueLaw, GlueLimits, GlueLoss, GluedFacet, GluedForces, MidSurface, Softening, mixed_energy,
-    mixed_strength,
+    GlueLaw, GlueLimits, GlueLoss, GluedFacet, GluedForces, Softening, mixed_energy, mixed_strength,
 };
 use femdem_mesh::{Rotation, Vector3};
 use proptest::prelude::*;

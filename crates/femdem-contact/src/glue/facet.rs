@@ -305,7 +305,14 @@ impl GluedFacet {
                 .all(|point| point.is_sound(law))
     }
 
-    /// Damage of its points: 0 at birth, 1 where nothing holds any more; 0 if it is not joined.
+    /// Whether every number is finite and possible, and all of its points are joined or none: for a facet of a crack that was read.
+    #[must_use]
+    pub fn is_of_crack(&self, law: &GlueLaw) -> bool {
+        let is_apart = self.points.iter().all(Option::is_none);
+        (self.is_joined() || is_apart) && self.is_sound(law)
+    }
+
+    /// Damage of its points: 0 at birth, 1 where nothing holds any more; 0 for those that are not joined.
     #[must_use]
     pub fn damage(&self, law: &GlueLaw) -> [f64; 3] {
         let of = |point: Point| point.glue.map_or(1.0, |glue| glue.damage(law));

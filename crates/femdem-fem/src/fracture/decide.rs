@@ -3,7 +3,7 @@
 use super::gate::Gate;
 use super::inputs::NodalDecision;
 use super::node::NodeStress;
-use super::star::Star;
+use super::star::{Star, is_on_cut};
 use super::strength::FractureMode;
 use crate::error::FemError;
 use femdem_mesh::Vector3;
@@ -33,8 +33,8 @@ pub struct Decision {
     pub cuts: Vec<Cut>,
     /// The nodes that were split; new ones lie where the old ones do.
     pub splits: Vec<Split>,
-    /// Not below the largest ratio of stress to strength of a node before the cuts, and at least 0. It is that ratio if
-    /// 0.9 or more. Below, it is a cheap bound, up to several times too large under compression; for the ratios themselves see
+    /// Not below the largest ratio of stress to strength of a node before the cuts, and at least 0. It is that ratio, or that of the
+    /// force at the front of a crack, if 0.9 or more. Below, it is a cheap bound, up to several times too large under compression; for the ratios themselves see
     /// [`NodalDecision::ratios`].
     pub highest: f64,
 }
@@ -69,7 +69,7 @@ impl NodalDecision<'_> {
         Ok(decision)
     }
 
-    /// The ratio of stress to strength of every node of the cracked mesh; 1 where it fails.
+    /// The ratio of stress, or at the front of a crack of force, to strength of every node of the cracked mesh; 1 where it fails.
     ///
     /// # Errors
     ///
@@ -115,7 +115,7 @@ impl NodalDecision<'_> {
                 })
             };
             let is_doubtful = stress.ratio < BESIDE;
-            if is_doubtful && !star.is_on_cut && is_beside() {
+            if is_doubtful && !is_on_cut(cracked, node) && is_beside() {
                 continue;
             }
             let planes = stress.strength.planes(&stress.cauchy);
@@ -123,6 +123,9 @@ impl NodalDecision<'_> {
                 .normals()
                 .iter()
                 .filter_map(|n| star.divide(n, !is_doubtful));
+            // Where the mean does not fail, the plane whose force does.
+            let divisions =
+                divisions.filter(|d| stress.mean >= 1.0 || self.across(cracked, node, d) >= 1.0);
             let Some(best) = divisions.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
                 continue;
             };

@@ -6,14 +6,14 @@ use crate::error::FemError;
 use femdem_mesh::tet::CrackedMesh;
 
 /// Nodes are looked at if a tetrahedron around them uses up this part of their strength. Anything up to 1 leaves out
-/// no node that fails.
+/// no node whose mean stress fails.
 const WATCHED: f64 = 0.9;
 
 /// What the gate found.
 pub(super) struct Gate {
     /// Per node whether it has to be looked at.
     pub watched: Vec<bool>,
-    /// An upper bound of the ratios of the others.
+    /// An upper bound of the ratios of the mean stress of the others.
     pub highest: f64,
 }
 

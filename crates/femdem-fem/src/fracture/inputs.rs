@@ -11,7 +11,8 @@ use femdem_mesh::tet::CrackedMesh;
 pub struct NodalDecision<'a> {
     /// Strength of each region.
     pub strengths: &'a [Strength],
-    /// Region of each tetrahedron. A node between regions fails where the mean over its tetrahedra of one of them does.
+    /// Region of each tetrahedron. A node between regions fails where the mean over its tetrahedra of one of them does, or the force at
+    /// the front of a crack exceeds the strength of all.
     pub regions: &'a [u32],
     /// By what strength is multiplied, for each point of the mesh, as from [`Weibull::factors`](super::Weibull::factors); infinite
     /// where no crack may start.

@@ -1,10 +1,11 @@
 //! Where and when a brittle body cracks: strength, its scatter, and the decision which facets of a mesh are cut.
 //!
 //! A crack opens at a *node*. The stress of a node is the volume mean over the tetrahedra around it. Where it exceeds the
-//! [`Strength`], or where the force that the node carries between the tetrahedra on either side of the plane that fails exceeds that
-//! of the facets there, the tetrahedra are divided along that plane, and the facets between the two sides are cut, so
-//! that the node splits. Under a uniform stress both say the same. At the tip of a crack the mean, of tetrahedra ahead and behind, is
-//! half of what the facets bear, and a crack that has to reach it takes more than its energy. Criteria on single facets need all of a closed loop of facets about a node to fail, whose worst
+//! [`Strength`], or at the front of a crack the force that the node carries between the tetrahedra on either side of the plane that
+//! fails exceeds that of the facets there, the tetrahedra are divided along that plane, and the facets between the two sides are cut, so
+//! that the node splits. Under a uniform stress both say the same. At the front the mean, of tetrahedra ahead and behind, is
+//! half of what the facets bear, and a crack that has to reach it takes more than its energy. Elsewhere the force would open cracks
+//! beside the one that runs, which take energy, too. Criteria on single facets need all of a closed loop of facets about a node to fail, whose worst
 //! oriented one sets the strength: in plain tension they ask for a third more than the strength of the material.
 //!
 //! 1. **Gate.** Nodes none of whose tetrahedra is near failure are not looked at: a body far from it costs one bound per
@@ -33,8 +34,9 @@
 //!
 //! # Limits
 //!
-//! Forces from outside on a node take from what is known of the force between halves, so that nodes which others load fail by their
-//! mean stress. Stress that varies over one element, as at a skin, is seen by its mean. Cracks run along facets, so their path depends on the mesh, and
+//! Forces from outside on a node, and its acceleration, take from what is known of the force between halves, so that nodes which
+//! others load, or at the front of a fast crack, fail by their mean stress. A node none of whose tetrahedra uses up 0.9 of its strength
+//! is not looked at, whatever the force. Stress that varies over one element, as at a skin, is seen by its mean. Cracks run along facets, so their path depends on the mesh, and
 //! some facets beside a crack are cut that part nothing.
 //!
 //! ```

@@ -1,7 +1,7 @@
 //! The stress of a node.
 
 use super::inputs::NodalDecision;
-use super::star::{Division, Star, volume};
+use super::star::{Division, Star, is_on_cut, volume};
 use super::strength::Strength;
 use crate::error::FemError;
 use femdem_mesh::Matrix3;
@@ -9,7 +9,10 @@ use femdem_mesh::tet::CrackedMesh;
 
 /// The stress at a node.
 pub(super) struct NodeStress<'a> {
-    /// How much of the strength it uses up, or the force between two halves of the star.
+    /// How much of the strength it uses up: the mean stress, and that or, on a cut facet, the force between two halves of the star,
+    /// whichever is more.
+    pub mean: f64,
+    /// See `mean`.
     pub ratio: f64,
     pub cauchy: Matrix3,
     pub strength: &'a Strength,
@@ -17,7 +20,7 @@ pub(super) struct NodeStress<'a> {
 
 impl<'a> NodalDecision<'a> {
     /// The mean over the tetrahedra of each region around a node; that of the region nearest to failure is returned, with the ratio
-    /// of the force across if that is more. `None` for a node without tetrahedra.
+    /// of the force at the front of a crack if that is more. `None` for a node without tetrahedra.
     pub(super) fn node(
         &self,
         cracked: &CrackedMesh,
@@ -42,38 +45,35 @@ impl<'a> NodalDecision<'a> {
             let ratio = strength.ratio(&cauchy) / factor;
             if worst.as_ref().is_none_or(|worst| ratio > worst.ratio) {
                 worst = Some(NodeStress {
+                    mean: ratio,
                     ratio,
                     cauchy,
                     strength,
                 });
             }
         }
-        if let Some(worst) = &mut worst {
-            let across = self.across(cracked, node, worst)? / factor;
-            worst.ratio = worst.ratio.max(across);
+        if let Some(worst) = &mut worst
+            && is_on_cut(cracked, node)
+        {
+            let star = Star::new(cracked, node, self.positions, self.stresses)?;
+            let planes = worst.strength.planes(&worst.cauchy);
+            for normal in planes.normals() {
+                if let Some(division) = star.divide(normal, false) {
+                    worst.ratio = worst.ratio.max(self.across(cracked, node, &division));
+                }
+            }
         }
         Ok(worst)
     }
 
     /// How much of the strength the force between two halves of the star of a node uses up: of the strongest region there.
-    fn across(
-        &self,
-        cracked: &CrackedMesh,
-        node: u32,
-        stress: &NodeStress,
-    ) -> Result<f64, FemError> {
-        let star = Star::new(cracked, node, self.positions, self.stresses)?;
-        let planes = stress.strength.planes(&stress.cauchy);
-        let divisions = planes.normals().iter();
-        let divisions = divisions.filter_map(|normal| star.divide(normal, false));
-        let regions = cracked
-            .around(node)
-            .iter()
-            .map(|&t| self.regions[t as usize]);
-        let ratio = |division: Division| {
-            let of = |region: u32| self.strengths[region as usize].ratio_across(&division.traction);
-            regions.clone().map(of).fold(f64::INFINITY, f64::min)
+    pub(super) fn across(&self, cracked: &CrackedMesh, node: u32, division: &Division) -> f64 {
+        let factor = self.factors[cracked.points()[node as usize] as usize];
+        let of = |&t: &u32| {
+            let strength = &self.strengths[self.regions[t as usize] as usize];
+            strength.ratio_across(&division.traction) / factor
         };
-        Ok(divisions.map(ratio).fold(f64::NEG_INFINITY, f64::max))
+        let around = cracked.around(node).iter();
+        around.map(of).fold(f64::INFINITY, f64::min)
     }
 }

@@ -23,6 +23,18 @@ pub(super) fn volume(corners: [u32; 4], positions: &[Vector3]) -> Result<f64, Fe
     Ok(volume)
 }
 
+/// Whether a facet with a node, open or not, is cut.
+pub(super) fn is_on_cut(cracked: &CrackedMesh, node: u32) -> bool {
+    cracked.around(node).iter().any(|&t| {
+        let corners = cracked.tets()[t as usize];
+        let facets = cracked.facets().of_tets()[t as usize];
+        let mut faces = corners.iter().zip(facets);
+        faces.any(|(across, facet)| {
+            *across != node && facet.is_some_and(|facet| cracked.is_cut()[facet as usize])
+        })
+    })
+}
+
 /// A facet with the node, between two of its tetrahedra.
 struct Link {
     facet: u32,
@@ -41,8 +53,6 @@ pub(super) struct Star {
     /// Per tetrahedron its volume, m^3, and the nodal force of its stress, V sigma grad N = - sigma A n / 3 with the face across
     /// from the node, N.
     forces: Vec<(f64, Vector3)>,
-    /// Whether a facet with the node, open or not, is cut.
-    pub is_on_cut: bool,
 }
 
 /// The facets to cut to divide a star.
@@ -73,7 +83,6 @@ impl Star {
             links: Vec::new(),
             centroids: Vec::new(),
             forces: Vec::new(),
-            is_on_cut: false,
         };
         let mut total = 0.0;
         for (place, &t) in tets.iter().enumerate() {
@@ -94,7 +103,6 @@ impl Star {
                     continue;
                 };
                 let is_cut = cracked.is_cut()[facet as usize];
-                star.is_on_cut |= is_cut;
                 let [first, second] = cracked.facets().all()[facet as usize].tets;
                 // Each link once, from its first tetrahedron.
                 let other = tets.binary_search(&second).ok().filter(|_| first == t);

@@ -40,15 +40,6 @@ fn nearest(mesh: &TetMesh, place: &Vector3) -> usize {
         .unwrap()
 }
 
-/// Lets no node of the skin fail: where the same stress is everywhere, they are not in balance.
-fn inside(body: &mut Body, mesh: &TetMesh) {
-    for (i, factor) in body.factors.iter_mut().enumerate() {
-        if mesh.is_skin_point(i) {
-            *factor = f64::INFINITY;
-        }
-    }
-}
-
 /// Lets only one node of a mesh fail.
 fn alone(body: &mut Body, node: usize) {
     body.factors.fill(f64::INFINITY);
@@ -61,13 +52,11 @@ fn tension_below_and_above_the_strength() {
         let axis = noisy(seed).normalize();
         let mesh = crooked([4, 3, 3], seed);
         let mut body = Body::new(&mesh, uniaxial(&axis, 0.999 * TENSILE));
-        inside(&mut body, &mesh);
         let decision = body.decide();
         assert!(decision.cuts.is_empty() && decision.splits.is_empty());
         assert!((decision.highest - 0.999).abs() < 1e-12);
         assert_eq!(body.cracked, CrackedMesh::new(&mesh));
         let mut body = Body::new(&mesh, uniaxial(&axis, 1.001 * TENSILE));
-        inside(&mut body, &mesh);
         let decision = body.decide();
         assert!(!decision.splits.is_empty());
         assert!(
@@ -335,9 +324,8 @@ fn neighbours_of_a_crack_wait() {
 /// The means of a strong, highly stressed and a weak, lightly stressed material stay below their own strengths.
 #[test]
 fn a_node_between_materials() {
-    let mesh = crooked([4, 3, 3], 3);
+    let mesh = crooked([4, 2, 2], 3);
     let mut body = Body::new(&mesh, Matrix3::zeros());
-    inside(&mut body, &mesh);
     body.strengths = vec![Strength::new(50e6, 200e6, 0.5).unwrap(), rock()];
     let half = mesh.tets().len() / 2;
     let mut set = |weak: f64| {

@@ -67,16 +67,19 @@ impl CrackState {
         }
     }
 
-    /// Finds the stiffness of the joints at the nodes: a pair of nodes of masses m and n on a spring k has the squared
-    /// frequency k/m + k/n, which is no more than twice the larger part.
+    /// Finds the stiffness of the joints at the nodes, the sums of its rows: a pair of nodes of masses m and n on a spring k has the
+    /// squared frequency k/m + k/n, which is no more than twice the larger part.
     pub fn stiffen(&mut self, nodes: usize) {
         self.stiffness.clear();
         self.stiffness.resize(nodes, 0.0);
         for joint in &self.joints {
             let stiffness = joint.glued.stiffness(&joint.law);
-            for side in &joint.sides {
-                for (node, k) in side.iter().zip(stiffness) {
-                    self.stiffness[*node as usize] += k;
+            let [first, second] = &joint.sides;
+            for ((a, b), k) in first.iter().zip(second).zip(stiffness) {
+                // A node that is not split has no opening.
+                if a != b {
+                    self.stiffness[*a as usize] += k;
+                    self.stiffness[*b as usize] += k;
                 }
             }
         }

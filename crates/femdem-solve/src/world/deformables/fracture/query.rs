@@ -40,7 +40,7 @@ impl<'a> Cracks<'a> {
         self.fracture().largest_height(self.model.young)
     }
 
-    /// The largest stress over strength at the last look.
+    /// The largest stress, or at the front of a crack force, over strength at the last look.
     #[must_use]
     pub fn highest(&self) -> f64 {
         self.breakable.highest

@@ -49,6 +49,7 @@ impl CrackState {
             Some(joint.sides) == self.mesh.sides(joint.facet)
                 && joint.law.check().is_ok()
                 && joint.limits.check().is_ok()
+                && joint.glued.is_of_crack(&joint.law)
         });
         if own.edge.is_none() {
             Err("the model")
