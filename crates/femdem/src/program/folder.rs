@@ -14,7 +14,7 @@ pub(crate) use femdem::run::RUN_CHECKPOINT;
 
 /// Keeps other jobs out of a folder for as long as it lives.
 #[must_use]
-pub(crate) struct Claim {
+pub struct Claim {
     _lock: Option<File>,
 }
 
