@@ -1,11 +1,9 @@
 //! The cost of a job over ranks, and when the first of them says what it does.
 
-use anyhow::{Context, Result, ensure};
+use anyhow::Result;
 use femdem::Usage;
 use femdem::solve::{Counters, Halo, processor_time};
 use femdem_mpi::MpiHalo;
-use std::fs;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Time between two lines of progress.
@@ -77,17 +75,4 @@ impl Cost {
             );
         }
     }
-}
-
-/// Makes the folder of a new job, with its scene in it.
-pub(crate) fn make_folder(folder: &Path, scene: &str) -> Result<()> {
-    let shown = folder.display();
-    fs::create_dir_all(folder).with_context(|| format!("cannot make {shown}"))?;
-    let mut files = fs::read_dir(folder).with_context(|| format!("cannot read {shown}"))?;
-    ensure!(
-        files.next().is_none(),
-        "{shown} holds files: name another folder by --out"
-    );
-    fs::write(folder.join("scene.toml"), scene)
-        .with_context(|| format!("cannot write into {shown}"))
 }

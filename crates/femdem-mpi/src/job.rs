@@ -1,8 +1,10 @@
 //! A run over ranks: the first one keeps the books and writes the files, but for the others' parts of checkpoints.
 
-use crate::cost::{Cost, make_folder};
+use crate::cost::Cost;
+use crate::folder::{self, of_first};
 use anyhow::{Result, ensure};
 use femdem::Usage;
+use femdem::program::Claim;
 use femdem::run::{Part, Run, Scenario};
 use femdem::solve::Halo;
 use femdem_mpi::MpiHalo;
@@ -18,6 +20,8 @@ pub(crate) struct Job {
     /// On the first rank.
     run: Option<Run>,
     cost: Cost,
+    /// On the first rank.
+    _claim: Option<Claim>,
 }
 
 impl Job {
@@ -28,32 +32,34 @@ impl Job {
             scenario.out = out;
         }
         let folder = scenario.out.clone();
-        let mut run = None;
-        if halo.rank() == 0 {
-            let own = run.insert(Run::new(scenario)?);
-            make_folder(&folder, &own.scenario().to_toml()?)?;
-            own.steps_elsewhere()?;
+        let made = of_first(halo, || {
+            let mut run = Run::new(scenario)?;
+            let claim = folder::make(&folder, &run.scenario().to_toml()?)?;
+            run.steps_elsewhere()?;
             // What is due at the beginning.
-            own.advance(&folder, 0)?;
-        }
+            run.advance(&folder, 0)?;
+            Ok((run, claim))
+        })?;
+        let (mut run, claim) = made.unzip();
         let part = Part::share_out(run.as_mut(), halo)?;
-        Self::at_start(part, folder, run, Usage::default(), halo)
+        Self::at_start(part, folder, (run, claim), Usage::default(), halo)
     }
 
     /// The run in a folder, from its last checkpoint.
     pub fn resume(folder: &Path, halo: &mut MpiHalo) -> Result<Self> {
+        let claim = of_first(halo, || folder::claim(folder))?;
         let (part, read) = Part::resume(folder, halo)?;
         let (run, before) = read.unzip();
         let has_ended = run.as_ref().is_some_and(|run| run.ending().is_some());
         ensure!(!has_ended, "the run in {} has ended", folder.display());
         let before = before.unwrap_or_default();
-        Self::at_start(part, folder.to_owned(), run, before, halo)
+        Self::at_start(part, folder.to_owned(), (run, claim), before, halo)
     }
 
     fn at_start(
         part: Part,
         folder: PathBuf,
-        run: Option<Run>,
+        (run, claim): (Option<Run>, Option<Claim>),
         before: Usage,
         halo: &mut MpiHalo,
     ) -> Result<Self> {
@@ -62,6 +68,7 @@ impl Job {
             folder,
             run,
             cost: Cost::after(before),
+            _claim: claim,
         };
         // At once, so that a folder that cannot be written is noticed before the work.
         job.save(halo)?;

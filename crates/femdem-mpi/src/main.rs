@@ -4,6 +4,7 @@
 //! `femdem pack` and `femdem run`, to the last bit of the motion.
 
 mod cost;
+mod folder;
 mod job;
 mod pack;
 

@@ -1,8 +1,10 @@
 //! A pack over ranks: the first one writes the files.
 
-use crate::cost::{Cost, make_folder};
+use crate::cost::Cost;
+use crate::folder::{self, of_first};
 use anyhow::{Result, ensure};
 use femdem::pack::Packing;
+use femdem::program::Claim;
 use femdem::results::{self, SavedPack};
 use femdem::solve::Halo;
 use femdem::{Scene, Usage};
@@ -18,6 +20,8 @@ pub(crate) struct Pack {
     packing: Packing,
     folder: PathBuf,
     cost: Cost,
+    /// On the first rank.
+    _claim: Option<Claim>,
 }
 
 impl Pack {
@@ -25,30 +29,32 @@ impl Pack {
     pub fn begin(scene: &Scene, halo: &mut MpiHalo) -> Result<Self> {
         let (packing, notes) = scene.packing()?;
         suits(&packing)?;
-        if halo.rank() == 0 {
+        let claim = of_first(halo, || {
             for note in notes.iter().filter(|note| note.is_news()) {
                 println!("{note}");
             }
-            make_folder(&scene.out, &scene.to_toml()?)?;
-        }
-        Self::share(packing, scene.out.clone(), Usage::default(), halo)
+            folder::make(&scene.out, &scene.to_toml()?)
+        })?;
+        Self::share(packing, scene.out.clone(), Usage::default(), claim, halo)
     }
 
     /// The pack in a folder, from its last checkpoint.
     pub fn resume(folder: &Path, halo: &mut MpiHalo) -> Result<Self> {
+        let claim = of_first(halo, || folder::claim(folder))?;
         let SavedPack { packing, usage } = SavedPack::read(folder)?;
         ensure!(
             !packing.is_done(),
             "the pack in {} is done",
             folder.display()
         );
-        Self::share(packing, folder.to_owned(), usage, halo)
+        Self::share(packing, folder.to_owned(), usage, claim, halo)
     }
 
     fn share(
         mut packing: Packing,
         folder: PathBuf,
         before: Usage,
+        claim: Option<Claim>,
         halo: &mut MpiHalo,
     ) -> Result<Self> {
         suits(&packing)?;
@@ -61,6 +67,7 @@ impl Pack {
             packing,
             folder,
             cost: Cost::after(before),
+            _claim: claim,
         })
     }
 

@@ -312,6 +312,12 @@ pub struct Seal {
 }
 
 impl Seal {
+    /// Length of the file, bytes.
+    #[must_use]
+    pub fn file_length(&self) -> u64 {
+        HEADER as u64 + self.length
+    }
+
     fn header(&self, kind: &str) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(HEADER);
         bytes.extend_from_slice(MAGIC);

@@ -271,6 +271,14 @@ fn parts_that_are_no_whole_are_refused() {
             assert!(refused.contains("do not have all bodies"), "{refused}");
         }
     }
+    // The first of two ranks has two parts, and alone sees that they are not of one time.
+    let refused = Threads::each(2, |halo| {
+        let shared = World::share_parts(parts_for(&mixed, halo), halo);
+        shared.unwrap_err().to_string()
+    });
+    for (refused, why) in refused.iter().zip(["at one time", "another rank"]) {
+        assert!(refused.contains(why), "{refused}");
+    }
 }
 
 #[test]

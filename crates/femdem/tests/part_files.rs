@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use femdem::run::{Part, RUN_CHECKPOINT, Run};
+use femdem::solve::Halo;
 
 use crate::run_ranks::{STONES, alone, result, resumed, save, stopped};
 use crate::threads::Threads;
@@ -133,6 +134,8 @@ fn a_checkpoint_that_one_rank_cannot_write_leaves_the_old_one() {
             for _ in 0..7 {
                 part.step(halo).unwrap();
             }
+            // Whose parts the next try writes over.
+            save(&mut part, run.as_mut(), path, halo).unwrap_err();
             let error = save(&mut part, run.as_mut(), path, halo).unwrap_err();
             assert_eq!(part.world().steps(), 107);
             error.to_string()
@@ -150,5 +153,60 @@ fn a_checkpoint_that_one_rank_cannot_write_leaves_the_old_one() {
         let mut last = resumed(path, 2);
         assert!(result(&mut last, path) == expected);
         assert_eq!(parts(path), ["2-1.ckpt"]);
+    }
+}
+
+/// The first rank must see the parts that it names.
+#[test]
+fn a_folder_that_is_not_one_for_all_ranks_is_noticed_before_the_checkpoint_is() {
+    let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let path = folders[0].path();
+    stopped(&scene(), path, 20, 2);
+    let tries = |cut: bool| {
+        let errors = Threads::each(2, |halo| {
+            let (mut part, read) = Part::resume(path, halo).unwrap();
+            let mut run = read.map(|(run, _)| run);
+            let own = folders[halo.rank()].path();
+            let error = save(&mut part, run.as_mut(), own, halo).unwrap_err();
+            error.to_string()
+        });
+        for error in errors {
+            let why = if cut { "finds 3:" } else { "must see" };
+            assert!(error.contains("2-1.ckpt") && error.contains(why), "{error}");
+        }
+        assert_eq!(Run::read(path).unwrap().0.simulation().world.steps(), 20);
+    };
+    tries(false);
+    fs::write(path.join("parts/2-1.ckpt"), "old").unwrap();
+    tries(true);
+}
+
+#[test]
+fn files_of_the_user_among_the_parts_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let foreign = ["1-1.stl", "1-a.ckpt", "a.ckpt", "-1.ckpt"];
+    let of_others = ["7-2.ckpt", "7-3.ckpt.tmp"];
+    fs::create_dir(path.join("parts")).unwrap();
+    for name in foreign.iter().chain(&of_others) {
+        fs::write(path.join("parts").join(name), "x").unwrap();
+    }
+    stopped(&scene(), path, 20, 2);
+    assert_eq!(
+        parts(path),
+        ["-1.ckpt", "1-1.ckpt", "1-1.stl", "1-a.ckpt", "a.ckpt"]
+    );
+    let (run, usage) = Run::read(path).unwrap();
+    run.save(path, &usage).unwrap();
+    assert_eq!(parts(path), ["-1.ckpt", "1-1.stl", "1-a.ckpt", "a.ckpt"]);
+
+    // A folder elsewhere.
+    #[cfg(unix)]
+    {
+        let (elsewhere, linked) = (path.join("parts"), tempfile::tempdir().unwrap());
+        fs::write(elsewhere.join("7-2.ckpt"), "x").unwrap();
+        std::os::unix::fs::symlink(&elsewhere, linked.path().join("parts")).unwrap();
+        run.save(linked.path(), &usage).unwrap();
+        assert!(parts(path).contains(&"7-2.ckpt".to_owned()));
     }
 }

@@ -72,7 +72,7 @@ The folder then holds
   run.png                    the end, deformable bodies coloured by von Mises stress
   fragments.csv, events.csv  of breakable bodies: pieces, facets that broke; and cracks.vtp, cracks.pvd
   scene.toml                 the scene
-  run.ckpt                   a checkpoint, for `femdem resume`
+  run.ckpt                   a checkpoint, for `femdem resume`; of ranks with the files in parts/
 
 Ctrl-C stops cleanly, with a checkpoint.";
 

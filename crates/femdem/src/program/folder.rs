@@ -7,14 +7,14 @@ use anyhow::{Context, Result, bail};
 use femdem::Usage;
 use femdem::pack::Packing;
 use femdem::results;
-use femdem::run::Run;
+use femdem::run::{Run, forget_parts};
 
 pub(crate) use femdem::results::{PACK_CHECKPOINT as CHECKPOINT, SavedPack as Saved};
 pub(crate) use femdem::run::RUN_CHECKPOINT;
 
 /// Keeps other jobs out of a folder for as long as it lives.
 #[must_use]
-pub(crate) struct Claim {
+pub struct Claim {
     _lock: Option<File>,
 }
 
@@ -52,13 +52,16 @@ pub(crate) fn prepare(folder: &Path, force: bool) -> Result<Claim> {
 pub(super) const SUMMARY: &str = "summary.json";
 
 /// Removes files of an earlier job in the folder that could be taken for those of the present, unfinished one:
-/// the results in numbers, and the checkpoint of the other kind.
+/// the results in numbers, and the checkpoint of the other kind, with its parts.
 pub(crate) fn forget_other_jobs(folder: &Path, own: &str) -> Result<()> {
     for name in [CHECKPOINT, RUN_CHECKPOINT, SUMMARY] {
         let path = folder.join(name);
         if name != own && path.is_file() {
             fs::remove_file(&path)
                 .with_context(|| format!("cannot remove {}, of an earlier job", path.display()))?;
+            if name == RUN_CHECKPOINT {
+                forget_parts(folder, &[]);
+            }
         }
     }
     Ok(())

@@ -28,6 +28,7 @@ mod sweep;
 
 use std::ffi::OsString;
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -38,6 +39,7 @@ use femdem::Scene;
 use femdem::scene::ShapeNote;
 
 use cli::{Cli, Command};
+pub use folder::Claim;
 pub use running::Outcome;
 
 /// Runs the command of this process's command line, says what went wrong, and returns the exit code.
@@ -89,6 +91,15 @@ where
     };
     command.stop_by(stop);
     carry_out(command).map_err(|error| described(&error))
+}
+
+/// Claims a folder for a job that writes into it, until the claim is dropped.
+///
+/// # Errors
+///
+/// What the program would say, if another job has claimed the folder. Where folders cannot be locked, none is noticed.
+pub fn claim(folder: &Path) -> Result<Claim, String> {
+    folder::claim(folder).map_err(|error| described(&error))
 }
 
 /// The scene of a pack that `words` are, the options of `femdem pack`, for a program that packs in its own way.

@@ -138,6 +138,7 @@ pub use rest::RestSummary;
 pub use revolved::{ConeEntry, CylinderEntry, Ends, PlateEntry, SiloEntry};
 pub use rotation::RotationEntry;
 pub use saved::RUN_CHECKPOINT;
+pub(crate) use saved::forget_parts;
 pub use select::{RegionEntry, SelectEntry, Zone};
 pub use settings::{ContactEntry, MediumEntry, RestEntry, StepEntry};
 pub use simulation::{NamedWall, Penalty, Simulation, Support};

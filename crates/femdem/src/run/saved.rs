@@ -1,6 +1,6 @@
 //! The checkpoint of a run: one file, or over ranks one for each, of which the first rank's names the others.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use femdem_solve::checkpoint::{self, Seal};
@@ -81,26 +81,78 @@ impl PartFiles {
         Ok(world)
     }
 
+    /// Checks, before a checkpoint names them, that the parts lie in the folder, with their lengths.
+    pub fn are_there(&self, folder: &Path) -> Result<(), SolveError> {
+        for (rank, seal) in (1..).zip(&self.seals) {
+            let path = self.path(folder, rank);
+            // Opened, so that a folder of a network is looked up anew.
+            let found = File::open(&path).and_then(|file| file.metadata());
+            let length = match found {
+                Ok(found) => found.len(),
+                Err(source) => {
+                    return Err(SolveError::Io {
+                        action: "the first rank, which must see the folder of all, cannot find",
+                        path,
+                        source,
+                    });
+                }
+            };
+            if length != seal.file_length() {
+                let why = format!(
+                    "rank {rank} has written {} bytes, but the first rank finds {length}: all ranks must see one folder",
+                    seal.file_length()
+                );
+                return Err(SolveError::BadCheckpoint { path, why });
+            }
+        }
+        Ok(())
+    }
+
     /// Removes the files of other checkpoints.
     fn forget_others(&self, folder: &Path) {
-        let parts = folder.join(PARTS);
         let own: Vec<PathBuf> = (1..=self.seals.len())
             .map(|rank| self.path(folder, rank))
             .collect();
-        // Best effort: no checkpoint names them.
-        let files = fs::read_dir(&parts).into_iter().flatten().flatten();
-        for path in files.map(|file| file.path()) {
-            if !own.contains(&path) {
-                fs::remove_file(path).ok();
-            }
-        }
-        if own.is_empty() {
-            fs::remove_dir(&parts).ok();
-        }
+        forget_parts(folder, &own);
     }
 }
 
+/// Removes the parts of checkpoints in a folder but for some, and what was left of writing them.
+pub(crate) fn forget_parts(folder: &Path, but: &[PathBuf]) {
+    let parts = folder.join(PARTS);
+    // Best effort: no checkpoint names them. A folder elsewhere is another's.
+    if !fs::symlink_metadata(&parts).is_ok_and(|found| found.is_dir()) {
+        return;
+    }
+    let files = fs::read_dir(&parts).into_iter().flatten().flatten();
+    for file in files {
+        let is_part = file.file_type().is_ok_and(|found| found.is_file())
+            && file.file_name().to_str().is_some_and(is_name_of_part);
+        if is_part && !but.contains(&file.path()) {
+            fs::remove_file(file.path()).ok();
+        }
+    }
+    if but.is_empty() {
+        // Stays if it holds anything else.
+        fs::remove_dir(&parts).ok();
+    }
+}
+
+/// Whether a file is named as [`PartFiles::path`] names a part, or as one that is being written.
+fn is_name_of_part(name: &str) -> bool {
+    let name = name.strip_suffix(".tmp").unwrap_or(name);
+    let numbers = name.strip_suffix(".ckpt").and_then(|n| n.split_once('-'));
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|c| c.is_ascii_digit());
+    numbers.is_some_and(|(number, rank)| is_number(number) && is_number(rank))
+}
+
 impl Saved {
+    /// Whether a folder has a checkpoint that names the parts of a number, or cannot be read.
+    pub fn may_name(folder: &Path, number: u64) -> bool {
+        let is_there = folder.join(RUN_CHECKPOINT).try_exists().unwrap_or(true);
+        is_there && Self::read(folder).map_or(true, |saved| saved.parts.number == number)
+    }
+
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(RUN_CHECKPOINT);
         Ok(checkpoint::read_file(&path, KIND)?)
@@ -124,6 +176,7 @@ impl Run {
         folder: &Path,
         usage: &Usage,
     ) -> Result<(), Error> {
+        parts.are_there(folder)?;
         let run = self;
         let path = folder.join(RUN_CHECKPOINT);
         checkpoint::write_file(&path, KIND, &Saving { run, usage, parts })?;

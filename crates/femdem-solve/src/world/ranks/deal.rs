@@ -47,15 +47,11 @@ impl World {
     /// # Errors
     /// As [`share_out`](Self::share_out); [`SolveError::Ranks`] also for a world that another rank gives, or the first does not.
     pub fn share_from_first(world: Option<Self>, halo: &mut dyn Halo) -> Result<Self, SolveError> {
-        let version = f64::from(checkpoint::VERSION);
-        let is_given = world.is_some() == (halo.rank() == 0);
-        let mut least = [version, -version, f64::from(u8::from(is_given))];
-        halo.least(&mut least)?;
-        let [oldest, newest, is_given] = least;
-        if oldest != -newest {
-            return Err(ranks("the ranks have different programs"));
-        }
-        if is_given < 1.0 {
+        are_of_one_program(halo)?;
+        let is_wrong = world.is_some() != (halo.rank() == 0);
+        let mut wrong = [u64::from(is_wrong)];
+        halo.sum(&mut wrong)?;
+        if wrong[0] > 0 {
             return Err(ranks(
                 "the first rank gives the world, and no other rank does",
             ));
@@ -376,6 +372,17 @@ impl World {
         self.flows.last = [moving, self.flows.work_in, self.flows.load_work];
         Ok(())
     }
+}
+
+/// Refuses ranks of different programs, which would not read what others send.
+pub(super) fn are_of_one_program(halo: &mut dyn Halo) -> Result<(), SolveError> {
+    let version = f64::from(checkpoint::VERSION);
+    let mut least = [version, -version];
+    halo.least(&mut least)?;
+    if least != [version, -version] {
+        return Err(ranks("the ranks have different programs"));
+    }
+    Ok(())
 }
 
 /// What the first rank gives, on all ranks; no more than one copy is on its way.

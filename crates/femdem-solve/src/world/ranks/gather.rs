@@ -1,6 +1,6 @@
 //! The whole from its parts: in one world, or dealt to other ranks than those that had them.
 
-use super::deal::from_first;
+use super::deal::{are_of_one_program, from_first};
 use super::parts::{Member, Parts};
 use super::{Cuts, Share, Until, Whole, ranks};
 use crate::checkpoint;
@@ -9,7 +9,6 @@ use crate::halo::{Alone, Halo};
 use crate::ledger::Flows;
 use crate::world::World;
 use crate::world::time_step::StepControl;
-use femdem_contact::BodyId;
 use std::collections::BTreeMap;
 
 /// What a rank has of the books of the whole: flows, initial energy, and the bounds of the step.
@@ -63,17 +62,27 @@ impl World {
     /// Shares out a whole whose parts, as other ranks had them, the ranks have read: each some or none, the first one at least one.
     ///
     /// # Errors
-    /// As [`of_parts`](Self::of_parts), and what `halo` reports.
+    /// As [`of_parts`](Self::of_parts), and what `halo` reports. If parts are refused, all ranks get an error.
     pub fn share_parts(parts: Vec<Self>, halo: &mut dyn Halo) -> Result<Self, SolveError> {
-        let mut joined = Joined::default();
-        for part in parts {
-            joined.add(part)?;
-        }
-        let given = match &joined.first {
-            Some((world, whole)) if halo.rank() == 0 => Some((world.to_bytes()?, whole)),
-            _ => None,
+        are_of_one_program(halo)?;
+        let rank = halo.rank();
+        // Some may be among the bodies of another part.
+        let mut guests = BTreeMap::new();
+        let join = || {
+            let mut joined = Joined::default();
+            for part in parts {
+                let of_part = joined.add(part)?.into_iter();
+                guests.extend(of_part.map(|guest| (guest.number, guest)));
+            }
+            let given = match &joined.first {
+                Some((world, whole)) if rank == 0 => {
+                    Some(checkpoint::encode(&(world.to_bytes()?, whole))?)
+                }
+                _ => None,
+            };
+            Ok::<_, SolveError>((joined, given))
         };
-        let given = given.map(|given| checkpoint::encode(&given)).transpose()?;
+        let (joined, given) = unless_another_failed(join(), halo)?;
         let (bytes, whole): (Vec<u8>, Whole) = checkpoint::decode(&from_first(given, halo)?)?;
         let mut world = Self::from_bytes(&bytes)?;
         let first = joined.first.as_ref();
@@ -85,10 +94,7 @@ impl World {
         }
         world.take_books(joined.books);
         world.step_control.share_steps(halo)?;
-        let rank = halo.rank();
-        let Joined {
-            parts, mut guests, ..
-        } = joined;
+        let parts = joined.parts;
         let mut members: Vec<(Member, usize)> = Vec::new();
         for member in parts.members {
             guests.remove(&member.number);
@@ -97,7 +103,8 @@ impl World {
         // Those of any other rank, until all are dealt.
         members.extend(guests.into_values().map(|guest| (guest, usize::MAX)));
         members.sort_by_key(|(member, _)| member.number);
-        let numbers = world.put_together(members, parts.pairs, parts.newcomers, rank)?;
+        let numbers = world.put_together(members, parts.pairs, parts.newcomers, rank);
+        let numbers = unless_another_failed(numbers, halo)?;
         world.share = Some(Box::new(Share {
             rank,
             cuts: Cuts::to_first(halo.size()),
@@ -187,19 +194,31 @@ fn not_all() -> SolveError {
     ranks("the ranks do not have all bodies of the whole, at one time")
 }
 
+/// What a rank has made, unless it or another has failed: then all have an error.
+fn unless_another_failed<T>(
+    made: Result<T, SolveError>,
+    halo: &mut dyn Halo,
+) -> Result<T, SolveError> {
+    let mut failed = [u64::from(made.is_err())];
+    halo.sum(&mut failed)?;
+    if made.is_ok() && failed[0] > 0 {
+        return Err(ranks("the parts that another rank has read are refused"));
+    }
+    made
+}
+
 /// Parts of a whole that are taken together.
 #[derive(Default)]
 struct Joined {
     /// The first of them, without its bodies.
     first: Option<(World, Whole)>,
     parts: Parts,
-    /// Some may be among the bodies of another part.
-    guests: BTreeMap<BodyId, Member>,
     books: Vec<Books>,
 }
 
 impl Joined {
-    fn add(&mut self, mut part: World) -> Result<(), SolveError> {
+    /// Takes a part, and returns its guests.
+    fn add(&mut self, mut part: World) -> Result<Vec<Member>, SolveError> {
         part.restored()?;
         let books = part.books();
         let (own, guests) = part.take_apart()?;
@@ -210,8 +229,6 @@ impl Joined {
         };
         self.books.push(books);
         self.parts.join(own);
-        self.guests
-            .extend(guests.into_iter().map(|guest| (guest.number, guest)));
         match &self.first {
             Some((first, whole)) if !part.is_with(first) || *whole != share.whole => {
                 return Err(not_all());
@@ -219,6 +236,6 @@ impl Joined {
             Some(_) => {}
             None => self.first = Some((part, share.whole)),
         }
-        Ok(())
+        Ok(guests)
     }
 }

@@ -253,9 +253,8 @@ impl Part {
             let saved = run.map_or(Ok(()), |run| run.save(folder, usage));
             return or_error_of_another(saved, halo);
         }
-        self.checkpoint += 1;
         let mut files = PartFiles {
-            number: self.checkpoint,
+            number: self.checkpoint + 1,
             seals: Vec::new(),
         };
         let rank = halo.rank();
@@ -266,11 +265,20 @@ impl Part {
         }
         files.seals = of_all(written?.into_iter().collect(), halo)?;
         let mut saved = Ok(());
+        // Else the number is taken again, and the files are written over.
+        let mut named = [0];
         if let Some(run) = run {
             self.tell(run);
             std::mem::swap(&mut self.world, &mut run.simulation.world);
             saved = run.save_with(&files, folder, usage);
             std::mem::swap(&mut self.world, &mut run.simulation.world);
+            // An error may come after the file is in place.
+            let is_named = saved.is_ok() || Saved::may_name(folder, files.number);
+            named = [u64::from(is_named)];
+        }
+        halo.sum(&mut named)?;
+        if named[0] > 0 {
+            self.checkpoint = files.number;
         }
         or_error_of_another(saved, halo)
     }
