@@ -5,8 +5,8 @@
 //! fails exceeds that of the facets there, the tetrahedra are divided along that plane, and the facets between the two sides are cut, so
 //! that the node splits. Under a uniform stress both say the same. At the front the mean, of tetrahedra ahead and behind, is
 //! half of what the facets bear, and a crack that has to reach it takes more than its energy. Elsewhere the force would open cracks
-//! beside the one that runs, which take energy, too. Criteria on single facets need all of a closed loop of facets about a node to fail, whose worst
-//! oriented one sets the strength: in plain tension they ask for a third more than the strength of the material.
+//! beside the one that runs, which take energy, too. Criteria on single facets need all of a closed loop of facets about a node to
+//! fail, whose worst oriented one sets the strength: in plain tension they ask for a third more than the strength of the material.
 //!
 //! 1. **Gate.** Nodes none of whose tetrahedra is near failure are not looked at: a body far from it costs one bound per
 //!    tetrahedron. Both criteria are convex functions of stress, so a mean fails only if one of its tetrahedra does.
@@ -36,7 +36,8 @@
 //!
 //! Forces from outside on a node, and its acceleration, take from what is known of the force between halves, so that nodes which
 //! others load, or at the front of a fast crack, fail by their mean stress. A node none of whose tetrahedra uses up 0.9 of its strength
-//! is not looked at, whatever the force. Stress that varies over one element, as at a skin, is seen by its mean. Cracks run along facets, so their path depends on the mesh, and
+//! is not looked at, whatever the force. Stress that varies over one element, as at a skin or the root of a notch, is seen by its
+//! mean. Cracks run along facets, so their path depends on the mesh, and
 //! some facets beside a crack are cut that part nothing.
 //!
 //! ```
