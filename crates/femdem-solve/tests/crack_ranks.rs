@@ -137,7 +137,11 @@ fn broken_bodies_have_the_same_bits_on_any_ranks() {
     let at: BTreeSet<u64> = parted.iter().map(|parts| parts.0).collect();
     let pieces = alone.deformable(2).unwrap().cracks().unwrap().fragments();
     assert!(pieces.iter().max() > Some(&2), "{pieces:?}");
-    assert!(at.len() > 2 && parted.len() > 2 * at.len(), "{parted:?}");
+    let several = |step: &&u64| parted.iter().filter(|parts| parts.0 == **step).count() > 2;
+    assert!(
+        at.len() > 2 && at.iter().filter(several).count() > 1,
+        "{parted:?}"
+    );
     let expected = alone.checksum_of_motion().unwrap();
     for size in [1, 2, 3, 4] {
         let run = |world: &mut World, halo: &mut dyn Halo, count: u32| {
