@@ -64,8 +64,9 @@ pub(super) struct Division {
     /// What pulls across that plane and shears along it at least, Pa: the force R between the two halves of the star over the node's
     /// part of the facets, Σ A n / 3, with n out of the first; under a uniform stress and with free skins R = σ Σ A n / 3.
     ///
-    /// Halves with volumes V and nodal forces F of stress move alike if R = (V₂ F₁ − V₁ F₂)/(V₁ + V₂). What F₁ + F₂ is not by motion,
-    /// other bodies, glue or supports balance on one half or on both: R may be wrong by F₁ + F₂ times the larger part of V.
+    /// Halves with volumes V and nodal forces F of stress move alike if R = (V₂ F₁ − V₁ F₂)/(V₁ + V₂). Their sum F₁ + F₂ is motion, or
+    /// balanced by other bodies, glue or supports, on one half or on both: R may be wrong by that sum times the larger part of V,
+    /// which is taken off.
     pub traction: [f64; 2],
 }
 

@@ -307,8 +307,7 @@ impl State {
 }
 
 impl CrackState {
-    /// Adds joints for facets that have just been cut; they are not joined yet. `positions` are those of the
-    /// nodes, m.
+    /// Adds joints for facets that have just been cut; they are not joined yet. `positions` are those of the nodes, m.
     fn add(
         &mut self,
         model: &DeformableModel,

@@ -2,9 +2,10 @@
 //!
 //! Every few steps the stresses are looked at; where a node fails it is split, as are its mass and its velocity, so that nothing
 //! jumps ([birth]). Facets that are cut become [joints]: glue, and the pressure of their birth, so that they carry the traction that
-//! the facet carried when its first node was split; one that is split later has what the glue has left. Their sides are skin from then on, and meet as any other skin does: they lie on each other at that moment,
-//! and so do all tetrahedra around, so the contact begins at no overlap and no energy ([reshape]). A joint is spent when its glue has broken and
-//! the pressure of its birth has faded, and is taken off the list.
+//! the facet carried when its first node was split; one that is split later has what the glue has left. Their sides are skin from
+//! then on, and meet as any other skin does: they lie on each other at that moment, and so do all tetrahedra around, so the contact
+//! begins at no overlap and no energy ([reshape]). A joint is spent when its glue has broken and the pressure of its birth has faded,
+//! and is taken off the list.
 //!
 //! Looking at stresses costs nothing where the largest strain, known from the bound of the step, is too small to harm.
 
