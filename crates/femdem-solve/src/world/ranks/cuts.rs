@@ -213,6 +213,10 @@ fn halve(
                 below[k] += own[part];
                 part += 1;
             }
+            if round == 1 && (2 * below[k] + own[part]) as f64 <= 2.0 * wanted {
+                // Nearer to what is wanted: what costs more than its share may lie below.
+                part += 1;
+            }
             let [low, high] = spans[k];
             let at = |part: usize| low + (high - low) * (part as f64 / PARTS as f64);
             spans[k] = [at(part), at(part + 1)];
@@ -284,6 +288,16 @@ pub(super) mod tests {
                 let share = *cost as f64 * ranks as f64 / total as f64;
                 assert!((share - 1.0).abs() < 0.03, "{ranks}: {costs:?}");
             }
+        }
+    }
+
+    #[test]
+    fn what_costs_more_than_its_share_does_not_take_the_others_along() {
+        let at = |x: f64, cost: u64| (Vector3::new(x, 0.0, 0.0), cost);
+        for costs in [[1, 100], [100, 1]] {
+            let bodies = [at(0.3, costs[0]), at(1.0, costs[1])];
+            let cuts = Cuts::find(&bodies, &mut OneOf(2)).unwrap();
+            assert_eq!(bodies.map(|(x, _)| cuts.owner(&x)), [0, 1], "{costs:?}");
         }
     }
 
