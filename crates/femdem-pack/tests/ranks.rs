@@ -216,11 +216,14 @@ fn a_job_goes_on_over_another_number_of_ranks() {
     assert_same(&alone, &whole, "parts");
 }
 
+/// What a rank gives: the job, and worlds of others.
+type Given = (Option<Packing>, Vec<World>);
+
 #[test]
 fn parts_that_are_no_job_are_refused_on_all_ranks() {
     let start = Packing::new(wide(14)).unwrap();
     let (_, parts) = on(&(checkpoint::encode(&start).unwrap(), Vec::new()), 3, 50);
-    let whys = |give: fn(&Parts, usize) -> (Option<Packing>, Vec<World>)| {
+    let whys = |give: fn(&Parts, usize) -> Given| {
         Threads::each(2, |halo| {
             let (first, others) = give(&parts, halo.rank());
             let refused = Packing::share_from_first(first, others, halo);
