@@ -50,7 +50,7 @@ const PACK: [&str; 8] = [
 /// Ranks that make the pack, one thread each.
 const PACKS: [usize; 3] = [1, 2, 4];
 
-/// Steps after which one pack is stopped, to go on with another number of ranks.
+/// Steps after which a pack is stopped, to go on with another number of ranks, or by one process.
 const STOP_PACK: &str = "4000";
 
 /// Files of a pack that tell how it was made.
@@ -170,9 +170,23 @@ fn packs_are_same(programs: &Path, place: &Path) -> Result<bool> {
         let out = place.join(format!("pack-{ranks}"));
         good &= pack(ranks, &[], &out)? && same(&alone, &out, "")?;
     }
+    let resume = |ranks: usize, out: &Path| {
+        let mut command = over(ranks, &mpi);
+        command.arg("resume").arg(out);
+        command
+    };
     let out = place.join("pack-restart");
     good &= pack(3, &["--steps", STOP_PACK], &out)?;
-    good &= passed(over(2, &mpi).arg("resume").arg(&out))? && same(&alone, &out, "")?;
+    good &= passed(&mut resume(2, &out))? && same(&alone, &out, "")?;
+
+    let out = place.join("pack-in-parts");
+    good &= pack(4, &["--steps", STOP_PACK], &out)?;
+    good &= passed(resume(3, &out).args(["--steps", STOP_PACK]))?;
+    let parts = fs::read_dir(out.join("parts")).context("there are no parts of the pack")?;
+    good &= parts.count() == 2;
+    let mut femdem = Command::new(programs.join("femdem"));
+    femdem.arg("resume").arg(&out).arg("--quiet");
+    good &= passed(&mut femdem)? && same(&alone, &out, "")?;
     Ok(good)
 }
 

@@ -1,12 +1,12 @@
-//! A pack over ranks: the first one writes the files.
+//! A pack over ranks: the first one writes the files, but for the others' parts of checkpoints.
 
 use crate::cost::Cost;
 use crate::folder::{self, of_first};
 use anyhow::{Result, ensure};
 use femdem::pack::Packing;
 use femdem::program::Claim;
-use femdem::results::{self, SavedPack};
-use femdem::solve::Halo;
+use femdem::results::{self, PackPart};
+use femdem::solve::{Halo, World};
 use femdem::{Scene, Usage};
 use femdem_mpi::MpiHalo;
 use std::path::{Path, PathBuf};
@@ -16,8 +16,7 @@ const PORTION: u64 = 100;
 
 /// A pack of which each rank has a part.
 pub(crate) struct Pack {
-    /// The part of this rank.
-    packing: Packing,
+    part: PackPart,
     folder: PathBuf,
     cost: Cost,
     /// On the first rank.
@@ -35,50 +34,51 @@ impl Pack {
             }
             folder::make(&scene.out, &scene.to_toml()?)
         })?;
-        Self::share(packing, scene.out.clone(), Usage::default(), claim, halo)
+        let part = PackPart::share_out(packing, halo)?;
+        Self::at_start(part, scene.out.clone(), Usage::default(), claim, halo)
     }
 
     /// The pack in a folder, from its last checkpoint.
     pub fn resume(folder: &Path, halo: &mut MpiHalo) -> Result<Self> {
         let claim = of_first(halo, || folder::claim(folder))?;
-        let SavedPack { packing, usage } = SavedPack::read(folder)?;
+        let (part, before) = PackPart::resume(folder, halo)?;
+        let packing = part.packing();
         ensure!(
             !packing.is_done(),
             "the pack in {} is done",
             folder.display()
         );
-        Self::share(packing, folder.to_owned(), usage, claim, halo)
+        suits(packing)?;
+        let before = before.unwrap_or_default();
+        Self::at_start(part, folder.to_owned(), before, claim, halo)
     }
 
-    fn share(
-        mut packing: Packing,
+    fn at_start(
+        part: PackPart,
         folder: PathBuf,
         before: Usage,
         claim: Option<Claim>,
         halo: &mut MpiHalo,
     ) -> Result<Self> {
-        suits(&packing)?;
-        if halo.rank() == 0 {
-            // At once, so that a folder that cannot be written is noticed before the work.
-            results::save(&folder, &packing, &before)?;
-        }
-        packing.share_out(halo)?;
-        Ok(Self {
-            packing,
+        let mut pack = Self {
+            part,
             folder,
             cost: Cost::after(before),
             _claim: claim,
-        })
+        };
+        // At once, so that a folder that cannot be written is noticed before the work.
+        pack.save(halo)?;
+        Ok(pack)
     }
 
     /// Steps to the end, or so many steps, with a checkpoint after at most `every` seconds and at the end.
     pub fn go_on(mut self, every: f64, steps: Option<u64>, halo: &mut MpiHalo) -> Result<()> {
-        let so_far = self.packing.world().steps();
+        let so_far = self.world().steps();
         let last = steps.map_or(u64::MAX, |steps| so_far.saturating_add(steps));
         loop {
-            let left = last - self.packing.world().steps();
-            let now = self.packing.advance_on(left.min(PORTION), halo)?;
-            if self.packing.is_done() || now.steps >= last {
+            let left = last - self.world().steps();
+            let now = self.part.advance(left.min(PORTION), halo)?;
+            if self.part.packing().is_done() || now.steps >= last {
                 return self.finish(halo);
             }
             if self.cost.is_save_due(every, halo)? {
@@ -93,33 +93,37 @@ impl Pack {
         }
     }
 
-    /// Writes a checkpoint, and returns the whole pack on the first rank.
-    fn save(&self, halo: &mut MpiHalo) -> Result<Option<(Packing, Usage)>> {
-        let usage = self.cost.usage(self.packing.world().counters(), halo)?;
-        let Some(whole) = self.packing.gather(halo)? else {
-            return Ok(None);
-        };
-        results::save(&self.folder, &whole, &usage)?;
-        Ok(Some((whole, usage)))
+    fn world(&self) -> &World {
+        self.part.packing().world()
     }
 
-    fn finish(self, halo: &mut MpiHalo) -> Result<()> {
-        let Some((whole, usage)) = self.save(halo)? else {
-            return Ok(());
-        };
-        let motion = whole.world().checksum_of_motion()?;
-        if whole.is_done() {
-            println!("{}", results::write(&self.folder, &whole, &usage)?);
-        } else {
+    /// Writes a checkpoint, and returns the cost so far.
+    fn save(&mut self, halo: &mut MpiHalo) -> Result<Usage> {
+        let usage = self.cost.usage(self.world().counters(), halo)?;
+        self.part.save(&self.folder, &usage, halo)?;
+        Ok(usage)
+    }
+
+    fn finish(mut self, halo: &mut MpiHalo) -> Result<()> {
+        let usage = self.save(halo)?;
+        let motion = self.world().checksum_of_motion_on(halo)?;
+        let packing = self.part.packing();
+        if packing.is_done() {
+            if let Some(whole) = packing.gather(halo)? {
+                println!("{}", results::write(&self.folder, &whole, &usage)?);
+            }
+        } else if halo.rank() == 0 {
             println!("go on with: femdem-mpi resume {}", self.folder.display());
         }
-        println!(
-            "{} ranks, {} steps; {:.1} s on the clock, {:.1} s of processors; motion {motion:016x}",
-            halo.size(),
-            whole.world().steps(),
-            usage.wall_seconds,
-            usage.cpu_seconds.unwrap_or_default(),
-        );
+        if halo.rank() == 0 {
+            println!(
+                "{} ranks, {} steps; {:.1} s on the clock, {:.1} s of processors; motion {motion:016x}",
+                halo.size(),
+                self.world().steps(),
+                usage.wall_seconds,
+                usage.cpu_seconds.unwrap_or_default(),
+            );
+        }
         Ok(())
     }
 }

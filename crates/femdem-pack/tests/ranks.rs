@@ -7,7 +7,7 @@ use femdem_mesh::catalogue::{CatalogueShape, Solid};
 use femdem_mesh::shapes::Shape;
 use femdem_mesh::tet::MeshOptions;
 use femdem_pack::{Container, PackShape, PackSpec, Packing, Penalty, Pour, Protocol, Release};
-use femdem_solve::{Alone, Halo, Medium, checkpoint};
+use femdem_solve::{Alone, Halo, Medium, World, checkpoint};
 
 const D: f64 = 0.02;
 
@@ -157,29 +157,95 @@ fn a_part_of_a_job_gives_no_report() {
     assert!(refused.contains("gather it first"), "{refused}");
 }
 
-/// A job that some ranks have left at any stage goes on over others.
+/// A job as ranks have it, in bytes: of the first one, and the worlds of the others.
+type Parts = (Vec<u8>, Vec<Vec<u8>>);
+
+fn read(parts: &Parts) -> (Packing, impl Iterator<Item = World>) {
+    let others = parts.1.iter();
+    (
+        checkpoint::decode(&parts.0).unwrap(),
+        others.map(|bytes| World::from_bytes(bytes).unwrap()),
+    )
+}
+
+/// Goes on from parts for some steps, over so many ranks. Returns the whole and its parts then.
+fn on(parts: &Parts, size: usize, steps: u64) -> (Packing, Parts) {
+    let all = Threads::each(size, |halo| {
+        let rank = halo.rank();
+        let (first, others) = read(parts);
+        let own = others.skip(rank).step_by(size).collect();
+        let first = (rank == 0).then_some(first);
+        let mut packing = Packing::share_from_first(first, own, halo).unwrap();
+        packing.advance_on(steps, halo).unwrap();
+        let whole = packing.gather(halo).unwrap();
+        assert_eq!(whole.is_some(), rank == 0);
+        let bytes = match rank {
+            0 => checkpoint::encode(&packing),
+            _ => packing.world().to_bytes(),
+        };
+        (whole, bytes.unwrap())
+    });
+    let (wholes, bytes): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+    let mut bytes = bytes.into_iter();
+    let parts = (bytes.next().unwrap(), bytes.collect());
+    (wholes.into_iter().flatten().next().unwrap(), parts)
+}
+
+/// A job that some ranks have left at any stage goes on over others, and is whole in one process.
 #[test]
 fn a_job_goes_on_over_another_number_of_ranks() {
     let start = Packing::new(mixed(12)).unwrap();
-    let mut whole = start.clone();
-    whole.run().unwrap();
-    let half = |packing: &Packing, size: usize, steps: u64| {
-        let all = Threads::each(size, |halo| {
-            let mut packing = packing.clone();
-            packing.share_out(halo).unwrap();
-            packing.advance_on(steps, halo).unwrap();
-            let gathered = packing.gather(halo).unwrap();
-            assert_eq!(gathered.is_some(), halo.rank() == 0);
-            gathered
-        });
-        let bytes = checkpoint::encode(&all.into_iter().flatten().next().unwrap());
-        checkpoint::decode::<Packing>(&bytes.unwrap()).unwrap()
-    };
-    let mut parts = start;
+    let mut alone = start.clone();
+    alone.run().unwrap();
+    let mut parts = (checkpoint::encode(&start).unwrap(), Vec::new());
+    let mut whole = start;
     let mut size = 1;
-    while !parts.is_done() {
+    while !whole.is_done() {
         size = size % 3 + 1;
-        parts = half(&parts, size, 397);
+        (whole, parts) = on(&parts, size, 397);
+        let (first, others) = read(&parts);
+        let joined = Packing::of_parts(first, others.map(Ok)).unwrap();
+        assert_same(&whole, &joined, "joined");
+        if size == 2 {
+            // By one process for a while.
+            whole = checkpoint::decode(&checkpoint::encode(&joined).unwrap()).unwrap();
+            whole.advance(99).unwrap();
+            parts = (checkpoint::encode(&whole).unwrap(), Vec::new());
+        }
     }
-    assert_same(&whole, &parts, "parts");
+    assert_same(&alone, &whole, "parts");
+}
+
+/// What a rank gives: the job, and worlds of others.
+type Given = (Option<Packing>, Vec<World>);
+
+#[test]
+fn parts_that_are_no_job_are_refused_on_all_ranks() {
+    let start = Packing::new(wide(14)).unwrap();
+    let (_, parts) = on(&(checkpoint::encode(&start).unwrap(), Vec::new()), 3, 50);
+    let whys = |give: fn(&Parts, usize) -> Given| {
+        Threads::each(2, |halo| {
+            let (first, others) = give(&parts, halo.rank());
+            let refused = Packing::share_from_first(first, others, halo);
+            refused.unwrap_err().to_string()
+        })
+    };
+    let lacks = whys(|parts, rank| {
+        let (first, others) = read(parts);
+        (
+            (rank == 0).then_some(first),
+            others.skip(1 + rank).collect(),
+        )
+    });
+    let second = whys(|parts, rank| ((rank == 1).then(|| read(parts).0), Vec::new()));
+    for (refused, why) in [
+        (lacks, "do not have all bodies"),
+        (second, "the first rank gives"),
+    ] {
+        assert!(refused.iter().all(|text| text.contains(why)), "{refused:?}");
+    }
+    let (first, others) = read(&parts);
+    let refused = Packing::of_parts(first, others.skip(1).map(Ok)).unwrap_err();
+    assert!(refused.to_string().contains("do not have all bodies"));
+    assert_eq!(read(&parts).1.count(), 2);
 }

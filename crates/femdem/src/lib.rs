@@ -74,6 +74,7 @@ pub mod program;
 pub mod resolve;
 pub mod results;
 pub mod run;
+mod saved;
 pub mod scene;
 pub mod stresses;
 mod toml_file;

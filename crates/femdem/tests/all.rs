@@ -5,6 +5,7 @@ mod balance;
 mod chain;
 mod common;
 mod contact_class;
+mod pack_ranks;
 mod part_files;
 mod periodic_packs;
 mod pores;

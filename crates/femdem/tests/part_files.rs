@@ -17,7 +17,7 @@ fn scene() -> String {
 }
 
 /// Names of the files of the parts, ascending.
-fn parts(folder: &Path) -> Vec<String> {
+pub fn parts(folder: &Path) -> Vec<String> {
     let files = fs::read_dir(folder.join("parts")).into_iter().flatten();
     let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
     let mut names: Vec<String> = names.collect();

@@ -1,10 +1,10 @@
 //! A job over ranks, and what these agree on: decisions rest on numbers of the whole pack, which are the same bits on all.
 
-use super::Packing;
 use super::top::{mean_top, place_and_top};
+use super::{Job, Packing};
 use crate::error::PackError;
 use femdem_mesh::Vector3;
-use femdem_solve::Halo;
+use femdem_solve::{Halo, SolveError, World, checkpoint};
 
 impl Packing {
     /// Shares the pack out: each rank has made or read the same job, and keeps a part of its bodies. From then on
@@ -14,6 +14,53 @@ impl Packing {
     /// As [`World::share_out`](femdem_solve::World::share_out), also if the jobs differ.
     pub fn share_out(&mut self, halo: &mut dyn Halo) -> Result<(), PackError> {
         Ok(self.world.share_out_with(&self.job, halo)?)
+    }
+
+    /// Shares out a job that the first rank gives, and no other: a whole one, or the part of a first rank of one that ranks shared,
+    /// with the worlds of the others, of which each rank has read some or none.
+    ///
+    /// # Errors
+    /// As [`World::share_from_first`] and [`World::share_parts`].
+    pub fn share_from_first(
+        first: Option<Self>,
+        others: Vec<World>,
+        halo: &mut dyn Halo,
+    ) -> Result<Self, PackError> {
+        let mut messages = Vec::new();
+        if let Some(Self { world, job }) = &first {
+            let bytes = checkpoint::encode(&(job, world.is_shared()))?;
+            messages.extend((0..halo.size()).map(|rank| (rank, bytes.clone())));
+        }
+        let received = halo.send(messages)?;
+        let [(0, bytes)] = &received[..] else {
+            return Err(SolveError::Ranks {
+                why: "the first rank gives the job, and no other rank does".to_owned(),
+            }
+            .into());
+        };
+        let (job, is_part): (Job, bool) = checkpoint::decode(bytes)?;
+        let first = first.map(|first| first.world);
+        let mut count = [others.len() as u64];
+        halo.sum(&mut count)?;
+        let world = match is_part || count[0] > 0 {
+            true => World::share_parts(first.into_iter().chain(others).collect(), halo)?,
+            false => World::share_from_first(first, halo)?,
+        };
+        Ok(Self { world, job })
+    }
+
+    /// The whole job, as if there had been no ranks, of the part of the first one and the worlds of the others.
+    ///
+    /// # Errors
+    /// As [`World::of_parts`].
+    pub fn of_parts(
+        first: Self,
+        others: impl IntoIterator<Item = Result<World, SolveError>>,
+    ) -> Result<Self, PackError> {
+        let Self { world, job } = first;
+        let parts = std::iter::once(Ok(world)).chain(others);
+        let world = World::of_parts(parts)?;
+        Ok(Self { world, job })
     }
 
     /// The job with all bodies on the first rank, as if there were no others; the one here stays as it is.

@@ -7,7 +7,8 @@ use anyhow::{Context, Result, bail};
 use femdem::Usage;
 use femdem::pack::Packing;
 use femdem::results;
-use femdem::run::{Run, forget_parts};
+use femdem::run::Run;
+use femdem::saved::forget_parts;
 
 pub(crate) use femdem::results::{PACK_CHECKPOINT as CHECKPOINT, SavedPack as Saved};
 pub(crate) use femdem::run::RUN_CHECKPOINT;
@@ -59,7 +60,7 @@ pub(crate) fn forget_other_jobs(folder: &Path, own: &str) -> Result<()> {
         if name != own && path.is_file() {
             fs::remove_file(&path)
                 .with_context(|| format!("cannot remove {}, of an earlier job", path.display()))?;
-            if name == RUN_CHECKPOINT {
+            if name != SUMMARY {
                 forget_parts(folder, &[]);
             }
         }

@@ -19,7 +19,7 @@ use femdem_solve::{Shape, World};
 pub(crate) use display::percent;
 pub use facts::run_facts;
 pub use parts::{ContainerSummary, ShapeSummary};
-pub use saved::{PACK_CHECKPOINT, SavedPack, save};
+pub use saved::{PACK_CHECKPOINT, PackPart, SavedPack, save};
 pub use search::find_contacts;
 pub use summary::{
     ContactLawSummary, CoordinationSummary, Core, DensitySummary, EnergySummary,

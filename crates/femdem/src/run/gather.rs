@@ -1,4 +1,4 @@
-//! What ranks tell each other of a run.
+//! What ranks tell each other of a job.
 
 use femdem_solve::{Halo, SolveError, checkpoint};
 use serde::Serialize;
@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use crate::Error;
 
 /// The items of all ranks, by rank.
-pub(in crate::run) fn of_all<T: Serialize + DeserializeOwned>(
+pub(crate) fn of_all<T: Serialize + DeserializeOwned>(
     own: Vec<T>,
     halo: &mut dyn Halo,
 ) -> Result<Vec<T>, SolveError> {
@@ -30,7 +30,7 @@ pub(in crate::run) fn of_all<T: Serialize + DeserializeOwned>(
 }
 
 /// What a rank has made, unless it or another has failed: then all have an error, which says why.
-pub(in crate::run) fn or_error_of_another<T>(
+pub(crate) fn or_error_of_another<T>(
     made: Result<T, Error>,
     halo: &mut dyn Halo,
 ) -> Result<T, Error> {

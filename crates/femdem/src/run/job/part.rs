@@ -6,11 +6,12 @@ use femdem_solve::{Halo, SolveError, World, checkpoint};
 use serde::{Deserialize, Serialize};
 
 use crate::run::flow::SharedFlow;
-use crate::run::gather::{of_all, or_error_of_another};
+use crate::run::gather::or_error_of_another;
 use crate::run::load::LoadedMembers;
-use crate::run::saved::{PartFiles, Saved};
+use crate::run::saved::RUN;
 use crate::run::stillness::{STEPS_BETWEEN_LOOKS, Stillness};
 use crate::run::{Controls, Run, Scenario};
+use crate::saved::{PartFiles, Saved};
 use crate::{Error, Usage};
 
 /// What a rank needs to step its part of a run: the first one has the [`Run`] besides, which writes the files.
@@ -89,15 +90,15 @@ impl Part {
         halo: &mut dyn Halo,
     ) -> Result<(Self, Option<(Run, Usage)>), Error> {
         let read = match halo.rank() {
-            0 => Saved::read(folder).map(Some),
+            0 => RUN.read::<Run>(folder).map(Some),
             _ => Ok(None),
         };
-        let Some(saved) = or_error_of_another(read, halo)? else {
+        let Some(saved) = or_error_of_another(read.map_err(Error::from), halo)? else {
             let part = Self::begin(None, PartFiles::default(), folder, halo)?;
             return Ok((part, None));
         };
         let Saved {
-            mut run,
+            job: mut run,
             usage,
             parts,
         } = saved;
@@ -145,8 +146,9 @@ impl Part {
         let shared = sent.ok_or_else(none)?;
         let world = match shared.has_parts {
             true => {
-                let own = of_rank(given, &shared.files, folder, halo);
-                World::share_parts(or_error_of_another(own, halo)?, halo)?
+                let others = RUN.parts_for(folder, &shared.files, halo);
+                let others = or_error_of_another(others.map_err(Error::from), halo)?;
+                World::share_parts(given.into_iter().chain(others).collect(), halo)?
             }
             false => World::share_from_first(given, halo)?,
         };
@@ -253,34 +255,15 @@ impl Part {
             let saved = run.map_or(Ok(()), |run| run.save(folder, usage));
             return or_error_of_another(saved, halo);
         }
-        let mut files = PartFiles {
-            number: self.checkpoint + 1,
-            seals: Vec::new(),
-        };
-        let rank = halo.rank();
-        let others = (rank > 0).then(|| files.write(folder, rank, &self.world));
-        let written = or_error_of_another(others.transpose(), halo);
-        if written.is_err() && rank > 0 {
-            files.forget(folder, rank);
-        }
-        files.seals = of_all(written?.into_iter().collect(), halo)?;
-        let mut saved = Ok(());
-        // Else the number is taken again, and the files are written over.
-        let mut named = [0];
-        if let Some(run) = run {
+        let files = RUN.write_parts(folder, self.checkpoint, &self.world, halo)?;
+        let written = run.map(|run| {
             self.tell(run);
             std::mem::swap(&mut self.world, &mut run.simulation.world);
-            saved = run.save_with(&files, folder, usage);
+            let written = RUN.write(folder, &*run, usage, &files);
             std::mem::swap(&mut self.world, &mut run.simulation.world);
-            // An error may come after the file is in place.
-            let is_named = saved.is_ok() || Saved::may_name(folder, files.number);
-            named = [u64::from(is_named)];
-        }
-        halo.sum(&mut named)?;
-        if named[0] > 0 {
-            self.checkpoint = files.number;
-        }
-        or_error_of_another(saved, halo)
+            written
+        });
+        RUN.end::<Run>(folder, &mut self.checkpoint, &files, written, halo)
     }
 
     /// Tells the run what has become of it but for its world.
@@ -333,21 +316,4 @@ impl Part {
         self.relaxed = (relaxes > 0).then_some(relaxed);
         Ok(ended > 0)
     }
-}
-
-/// The parts that fall to a rank, which are in files but for the first.
-fn of_rank(
-    first: Option<World>,
-    files: &PartFiles,
-    folder: &Path,
-    halo: &dyn Halo,
-) -> Result<Vec<World>, Error> {
-    let mut own: Vec<World> = first.into_iter().collect();
-    let all = 0..=files.seals.len();
-    for part in all.skip(halo.rank()).step_by(halo.size()) {
-        if part > 0 {
-            own.push(files.read(folder, part)?);
-        }
-    }
-    Ok(own)
 }
