@@ -151,7 +151,12 @@ fn checks(output: &Output) -> Vec<Check> {
         ),
         fewest(each(output, ["bar", "pieces"], bars, seeds)),
         near_one(
-            "bar, energy over G A, the same",
+            "bar, energy of the facets that broke over G A, the same",
+            each(output, ["bar", "crack"], bars, seeds),
+            0.1,
+        ),
+        near_one(
+            "bar, energy of all cracks over G A, the same",
             each(output, ["bar", "energy"], bars, seeds),
             0.1,
         ),
@@ -269,9 +274,10 @@ fn checks(output: &Output) -> Vec<Check> {
 
 const TEXT: &str = "Linear tetrahedra, neo-Hookean, E = 20 GPa, nu = 0.2, 2,500 kg/m3; half the default step; no friction. Nodes are moved by up to a \
 fifth of an edge. No law or constant of the program is fitted to these tests.\n\n\
-- **Bar** of 40 x 10 x 10 mm, f = 5 MPa, G = 20 J/m2, pulled apart at 0.1 m/s. Strength: largest mean tension over f. Energy: what it \
-has taken until 0.3 ms after it came in two, over G times its section. Pieces: 1 if anything still joined all of it after 1 ms, when \
-its ends are ten times as far apart as a crack bears.\n\
+- **Bar** of 40 x 10 x 10 mm, f = 5 MPa, G = 20 J/m2, stretched to 0.95 of f and pulled apart at 8 mm/s, so that the stress grows by a \
+hundredth of f while a wave crosses it. Strength: largest mean tension over f. Crack: what the facets that broke have taken, over G times \
+the section; energy: the same of all cracks, what they dissipated and store without what was lent, 0.3 ms after it came in two. Pieces: 1 \
+if anything still joined all of it after 1 ms.\n\
 - **Block** of 20 x 20 x 40 mm, c = 20 MPa, tan(phi) = 0.8, compressed at 0.5 m/s with a pressure on its sides. Strength: largest \
 axial stress over that of Mohr and Coulomb. Held: stress after a tenth more compression over the largest; 0.1 and below ends the run.\n\
 - **Opened**: double cantilever beam, arms 10 mm high and 2 mm wide, notch 30 mm from the load, G = 10 J/m2, f = 5 MPa, so that the \
@@ -316,9 +322,11 @@ bent is above G on all meshes; on that of 1 mm the crack jumps from the notch (s
 **Causes** (trials, one seed where no other is named; those of earlier rules were with nodes at the front that failed by their mean \
 stress, and glue at the corners of facets):\n\n\
 - *Bars.* Strengths are the same everywhere, and so is the stress: all sections between the ends crack within ten steps, before a wave \
-has come from one to the next. That sections which begin to open take what is beyond G was not looked at.\n\
-- *Bursts* at high rates are too long. By earlier rules, where the formula gives 15 pieces, 13 to 16 had opened and hung together at \
-corners; why they do with glue inside facets was not looked at.\n\
+has come from one to the next. One opens; the others close, and the body keeps what was lent to them: that is why all cracks take less \
+than the one that broke. With strengths that differ by up to a tenth it is the same (2 cells across).\n\
+- *Bursts.* Pieces and sides of cracks do not touch, which would take tens of times as long: neighbours pass through each other, and so do the \
+sides of cracks that close again, of which there are many. With contact, bars of 5 and 7 cells by fragment at the lowest rate give 1.10 and \
+1.00 of the formula (without: 1.47 and 0.96); higher rates were not run so.\n\
 - *Notched.* Where the force between the halves of nodes decides away from the front, too, cracks open beside the one that runs: the \
 rock on the first mesh bears 1.22 (1.15 by mean stress alone and glue at corners).\n\
 - *Bent.* At J = G the arms are stressed to 28 MPa along the beam at their inner faces, where nodes of the seam bear 2 c = 24 MPa, and \
@@ -332,9 +340,8 @@ modulus of their nodes (interval: 9 %); all of them with m = 8 have less, as the
 - *Crushed grains* tell no sizes of fragments. Their elements are four times too high; a mesh that is fine enough has some 40,000 \
 (estimated). When the load has fallen to a half, pieces hardly have come off; a trial of one grain until it had fallen to a tenth gave 36, \
 32 of them small with 6 % of the mass. The fits are of a few chips and mean nothing.\n\n\
-**Made in parts**: rows of block, struck, crushed, of notched but for the rock on the first mesh, of bent on 0.5 mm and of branch on 1.0 \
-and 0.62 mm are by earlier rules: nodes at the front failed by their mean stress alone, and glue was at the corners of facets. Bars of \
-four cells across are with the force between halves away from the front, too, as they were of three cells, which changed by 2e-3 at most. Rows of \
+**Made in parts**: rows of block, struck, crushed, of notched concrete on 20 and 12.5 mm, of bent on 0.5 mm and of branch on 1.0 \
+and 0.62 mm are by earlier rules: nodes at the front failed by their mean stress alone, and glue was at the corners of facets. Rows of \
 grain, which end at the first crack, are the same by both rules; those and crushed are of the development build, the parts of grain \
 run one by one; `unbalanced` for m = 8 was not printed then.\n\n\
 **Not run**: the discs of the example (`disc`, the Brazilian test), six runs of hours in all (estimated), of which nothing here speaks, \

@@ -2,7 +2,7 @@
 //!
 //! `cargo studies validate fracture` runs all but `disc`, which takes hours. Takes which test to run, for discs and blocks the number
 //! of one of them, from 0, for grains that of a part, for beams with a seam and plates the edge of one mesh, m, for bars the cells
-//! across of one. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
+//! across of one, for bars that burst one rate. Prints lines of columns separated by tabs: `value`, test, mesh, setting, quantity, value.
 
 mod bar;
 mod beam;
@@ -87,6 +87,7 @@ fn bars(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
             let bar = bar::break_in_tension(cells, f64::from(seed))?;
             let values = [
                 ("strength", bar.strength),
+                ("crack", bar.crack),
                 ("energy", bar.energy),
                 ("pieces", bar.pieces as f64),
                 ("books", bar.books),
@@ -177,7 +178,11 @@ fn bent(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
 
 /// Bars stretched at four rates, on three meshes, by three seeds of strengths.
 fn bursts(out: &mut impl Write) -> Result<(), Box<dyn Error>> {
-    for rate in [0.1, 1.0, 10.0, 100.0] {
+    let rates = match std::env::args().nth(2) {
+        Some(one) => vec![one.parse()?],
+        None => vec![0.1, 1.0, 10.0, 100.0],
+    };
+    for rate in rates {
         for cells in [5, 7, 10] {
             let (mut length, mut formula, mut books) = (0.0, 0.0, 0.0_f64);
             for seed in [1.0, 2.0, 3.0] {
