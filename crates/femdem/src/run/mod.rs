@@ -65,6 +65,7 @@ mod limits;
 mod load;
 mod loads;
 mod material;
+mod measured;
 mod meets;
 mod member;
 mod motion;

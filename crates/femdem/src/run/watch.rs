@@ -1,13 +1,16 @@
 //! Watch over overlaps that the penalty cannot carry.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_contact::{Partner, WallShape};
 use femdem_mesh::Vector3;
+use femdem_solve::{Alone, Halo, SolveError};
 use serde::{Deserialize, Serialize};
 
 use super::Simulation;
 use super::contacts::Side;
+use super::gather::of_all;
 use crate::Error;
 
 /// Steps between looks.
@@ -51,6 +54,60 @@ pub(super) struct Deepest {
     pub between: [String; 2],
 }
 
+/// A depth of two sides, bodies by their numbers in the whole.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Depth {
+    sides: [Partner; 2],
+    /// m.
+    depth: f64,
+}
+
+/// A contact that is deep.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Deep {
+    at: Depth,
+    of: Beside,
+}
+
+/// Beside what it is deep.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum Beside {
+    /// That of the thinner rigid body \[m\], with the penalty of the contact \[Pa\].
+    Thickness(f64, f64),
+    /// The least extent of a deformable body \[m\].
+    Extent(f64),
+}
+
+/// What there is to record of the depths of the contacts of all ranks.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Depths {
+    /// The deepest, if it is deeper than all before.
+    deepest: Option<Depth>,
+    /// The first that is deep, if there was none before.
+    deep: Option<Deep>,
+}
+
+impl Depths {
+    /// Those of this and of another rank.
+    fn join(&mut self, other: Self) {
+        let rank = |own: &Depth| (own.depth, Reverse(own.sides));
+        if let Some(depth) = other.deepest
+            && self
+                .deepest
+                .as_ref()
+                .is_none_or(|own| rank(&depth) > rank(own))
+        {
+            self.deepest = Some(depth);
+        }
+        let is_later = |own: &Deep, deep: &Deep| own.at.sides > deep.at.sides;
+        if let Some(deep) = other.deep
+            && self.deep.as_ref().is_none_or(|own| is_later(own, &deep))
+        {
+            self.deep = Some(deep);
+        }
+    }
+}
+
 impl Watch {
     /// Looks at the contacts after a step. Warns once of a deep overlap, and refuses to go on where a rigid body has gone through
     /// a wall, or lies in another or in a wall by more than half of the smaller one's volume: the contact force falls from there
@@ -60,7 +117,9 @@ impl Watch {
     ///
     /// [`Error::Through`] with the pair and a penalty that would do.
     pub fn look(&mut self, simulation: &Simulation) -> Result<(), Error> {
-        self.see_depths(simulation);
+        let warned = !self.warnings.is_empty();
+        let depths = simulation.depths(self.deepest.depth, warned, &mut Alone)?;
+        self.see(&depths, simulation);
         let through = match self.passed(simulation) {
             Some(pair) => Some((pair, 1.0)),
             None if simulation.world.steps().is_multiple_of(EVERY) => simulation.swallowed(),
@@ -83,48 +142,36 @@ impl Watch {
     }
 
     /// Records the deepest contact, and warns of the first deep one.
-    pub fn see_depths(&mut self, simulation: &Simulation) {
-        let world = &simulation.world;
-        let most = self.deepest.depth;
-        let is_new = |volume: f64, area: f64| volume > most * area;
-        let mut rigid = world.rigid_contacts().into_iter();
-        let mut soft = world.deformable_contacts();
-        let news =
-            rigid.any(|c| is_new(c.volume, c.area)) || soft.any(|c| is_new(c.volume, c.area));
-        let due = self.warnings.is_empty() && world.steps().is_multiple_of(EVERY);
-        if !(news || due) {
-            return;
-        }
-        for contact in simulation.contacts() {
-            let depth = simulation.depth_of(&contact);
-            let sides = [contact.a, Side::Member(contact.b)];
-            if depth > self.deepest.depth {
-                self.deepest = Deepest {
-                    depth,
-                    time: world.time(),
-                    between: sides.map(|side| simulation.name_of(side)),
-                };
-            }
-            if !self.warnings.is_empty() {
-                continue;
-            }
-            let Some(thickness) = simulation.thickness_of(sides) else {
-                self.warnings.extend(simulation.softness(sides, depth));
-                continue;
+    pub fn see(&mut self, depths: &Depths, simulation: &Simulation) {
+        let time = simulation.world.time();
+        let names = |sides: &[Partner; 2]| sides.map(|side| simulation.name_of_partner(side));
+        if let Some(Depth { depth, sides }) = &depths.deepest {
+            self.deepest = Deepest {
+                depth: *depth,
+                time,
+                between: names(sides),
             };
-            if depth > DEEP * thickness {
+        }
+        let Some(Deep { at, of }) = &depths.deep else {
+            return;
+        };
+        let ([a, b], depth) = (names(&at.sides), at.depth);
+        self.warnings.push(match of {
+            Beside::Thickness(thickness, penalty) => {
                 let share = depth / thickness;
-                let [a, b] = sides.map(|side| simulation.name_of(side));
-                let penalty = simulation.penalty_between(sides);
                 let enough = penalty * (share / WANTED).powi(2);
-                self.warnings.push(format!(
-                    "{b} overlaps {a} by {:.0} % of its thickness, {depth:.2e} m, at {:.6} s: the penalty of {penalty:.2e} Pa is soft \
+                format!(
+                    "{b} overlaps {a} by {:.0} % of its thickness, {depth:.2e} m, at {time:.6} s: the penalty of {penalty:.2e} Pa is soft \
                      for it; contact.penalty, or that of their pair, = {enough:.1e} would do",
                     100.0 * share,
-                    world.time(),
-                ));
+                )
             }
-        }
+            Beside::Extent(least) => format!(
+                "{b} and {a} overlap by {depth:.2e} m at {time:.6} s, {:.0} % of what deforms: its contacts give way too, and forces are too \
+                 low; take a larger contact-ratio",
+                100.0 * depth / least,
+            ),
+        });
     }
 
     /// A wall of tetrahedra and a rigid body whose contact has turned round while the body was within it.
@@ -170,6 +217,74 @@ impl Watch {
 }
 
 impl Simulation {
+    /// What there is to record of the contacts of all ranks, of which this has those of one, if `most` is the deepest before \[m\],
+    /// and if one was deep already. The first rank says so.
+    pub(super) fn depths(
+        &self,
+        most: f64,
+        warned: bool,
+        halo: &mut dyn Halo,
+    ) -> Result<Depths, SolveError> {
+        let world = &self.world;
+        let is_new = |volume: f64, area: f64| volume > most * area;
+        let mut rigid = world.rigid_contacts().into_iter();
+        let mut soft = world.deformable_contacts();
+        let news =
+            rigid.any(|c| is_new(c.volume, c.area)) || soft.any(|c| is_new(c.volume, c.area));
+        let mut news = [u64::from(news)];
+        halo.sum(&mut news)?;
+        let due = !warned && world.steps().is_multiple_of(EVERY);
+        let mut found = Depths::default();
+        if news[0] == 0 && !due {
+            return Ok(found);
+        }
+        for contact in self.own_contacts() {
+            let depth = self.depth_of(&contact);
+            let sides = [contact.a, Side::Member(contact.b)];
+            let here = || Depth {
+                sides: sides.map(|side| self.in_whole(side)),
+                depth,
+            };
+            if depth > found.deepest.as_ref().map_or(most, |own| own.depth) {
+                found.deepest = Some(here());
+            }
+            if warned || found.deep.is_some() {
+                continue;
+            }
+            let of = match self.thickness_of(sides) {
+                Some(thickness) => (depth > DEEP * thickness)
+                    .then(|| Beside::Thickness(thickness, self.penalty_between(sides))),
+                None => self.softness(sides, depth).map(Beside::Extent),
+            };
+            found.deep = of.map(|of| Deep { at: here(), of });
+        }
+        let mut all = of_all(vec![found], halo)?.into_iter();
+        let first = all.next().unwrap_or_default();
+        Ok(all.fold(first, |mut joined, other| {
+            joined.join(other);
+            joined
+        }))
+    }
+
+    /// A side, a body by its number in the whole.
+    fn in_whole(&self, side: Side) -> Partner {
+        match side {
+            Side::Member(member) => {
+                let id = self.members[member].id;
+                Partner::Body(self.world.number_in_whole(id).unwrap_or(id))
+            }
+            Side::Wall(wall) => Partner::Wall(wall as u32),
+        }
+    }
+
+    /// The name of a side.
+    fn name_of_partner(&self, side: Partner) -> String {
+        match side {
+            Partner::Body(body) => self.name_of_body(body),
+            Partner::Wall(wall) => self.name_of(Side::Wall(wall as usize)),
+        }
+    }
+
     /// The number of a body among the members.
     pub(super) fn member_of(&self, body: u32) -> Option<usize> {
         let mut members = self.members.iter();
@@ -198,9 +313,9 @@ impl Simulation {
         self.world.laws().between(materials).penalty
     }
 
-    /// A warning if the contact of a deformable body is deep beside it, so that it is the contact that gives way.
-    fn softness(&self, sides: [Side; 2], depth: f64) -> Option<String> {
-        let [a, b] = sides.map(|side| self.name_of(side));
+    /// The least extent of a deformable body of a contact \[m\], if the contact is deep beside it, so that it is the contact that
+    /// gives way.
+    fn softness(&self, sides: [Side; 2], depth: f64) -> Option<f64> {
         let extents = sides.into_iter().filter_map(|side| {
             let Side::Member(member) = side else {
                 return None;
@@ -214,14 +329,7 @@ impl Simulation {
             Some((high - low).min())
         });
         let least = extents.fold(f64::INFINITY, f64::min);
-        (depth > SOFT * least).then(|| {
-            format!(
-                "{b} and {a} overlap by {depth:.2e} m at {:.6} s, {:.0} % of what deforms: its contacts give way too, and forces are too \
-                 low; take a larger contact-ratio",
-                self.world.time(),
-                100.0 * depth / least,
-            )
-        })
+        (depth > SOFT * least).then_some(least)
     }
 
     /// The first pair of which one has gone too deep, and the share of the smaller one's volume.
