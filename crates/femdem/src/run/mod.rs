@@ -48,6 +48,7 @@ mod contacts;
 mod control;
 mod course;
 mod cracks;
+mod depths;
 mod ending;
 mod facts;
 mod fidelity;

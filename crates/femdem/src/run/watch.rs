@@ -1,32 +1,22 @@
 //! Watch over overlaps that the penalty cannot carry.
 
-use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_contact::{Partner, WallShape};
 use femdem_mesh::Vector3;
-use femdem_solve::{Alone, Halo, SolveError};
+use femdem_solve::Alone;
 use serde::{Deserialize, Serialize};
 
 use super::Simulation;
 use super::contacts::Side;
-use super::gather::of_all;
+use super::depths::{Beside, Deep, Depth, Depths, EVERY};
 use crate::Error;
-
-/// Steps between looks.
-const EVERY: u64 = 16;
 
 /// A run stops where more than this share of the smaller body's volume lies in the other side.
 const MOST: f64 = 0.5;
 
 /// The share that a penalty should be chosen for, in the advice.
 const WANTED: f64 = 0.05;
-
-/// A run warns of overlaps above this share of the thickness of the smaller body.
-const DEEP: f64 = 0.1;
-
-/// A run warns of overlaps above this share of the least extent of a deformable body.
-const SOFT: f64 = 0.05;
 
 /// Overlap with a sheet, over its thickness times the section of the body, from which a contact whose normal turns round is that of
 /// a body that passes through.
@@ -52,60 +42,6 @@ pub(super) struct Deepest {
     pub time: f64,
     /// Names of the two sides.
     pub between: [String; 2],
-}
-
-/// A depth of two sides, bodies by their numbers in the whole.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Depth {
-    sides: [Partner; 2],
-    /// m.
-    depth: f64,
-}
-
-/// A contact that is deep.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Deep {
-    at: Depth,
-    of: Beside,
-}
-
-/// Beside what it is deep.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-enum Beside {
-    /// That of the thinner rigid body \[m\], with the penalty of the contact \[Pa\].
-    Thickness(f64, f64),
-    /// The least extent of a deformable body \[m\].
-    Extent(f64),
-}
-
-/// What there is to record of the depths of the contacts of all ranks.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Depths {
-    /// The deepest, if it is deeper than all before.
-    deepest: Option<Depth>,
-    /// The first that is deep, if there was none before.
-    deep: Option<Deep>,
-}
-
-impl Depths {
-    /// Those of this and of another rank.
-    fn join(&mut self, other: Self) {
-        let rank = |own: &Depth| (own.depth, Reverse(own.sides));
-        if let Some(depth) = other.deepest
-            && self
-                .deepest
-                .as_ref()
-                .is_none_or(|own| rank(&depth) > rank(own))
-        {
-            self.deepest = Some(depth);
-        }
-        let is_later = |own: &Deep, deep: &Deep| own.at.sides > deep.at.sides;
-        if let Some(deep) = other.deep
-            && self.deep.as_ref().is_none_or(|own| is_later(own, &deep))
-        {
-            self.deep = Some(deep);
-        }
-    }
 }
 
 impl Watch {
@@ -217,119 +153,20 @@ impl Watch {
 }
 
 impl Simulation {
-    /// What there is to record of the contacts of all ranks, of which this has those of one, if `most` is the deepest before \[m\],
-    /// and if one was deep already. The first rank says so.
-    pub(super) fn depths(
-        &self,
-        most: f64,
-        warned: bool,
-        halo: &mut dyn Halo,
-    ) -> Result<Depths, SolveError> {
-        let world = &self.world;
-        let is_new = |volume: f64, area: f64| volume > most * area;
-        let mut rigid = world.rigid_contacts().into_iter();
-        let mut soft = world.deformable_contacts();
-        let news =
-            rigid.any(|c| is_new(c.volume, c.area)) || soft.any(|c| is_new(c.volume, c.area));
-        let mut news = [u64::from(news)];
-        halo.sum(&mut news)?;
-        let due = !warned && world.steps().is_multiple_of(EVERY);
-        let mut found = Depths::default();
-        if news[0] == 0 && !due {
-            return Ok(found);
-        }
-        for contact in self.own_contacts() {
-            let depth = self.depth_of(&contact);
-            let sides = [contact.a, Side::Member(contact.b)];
-            let here = || Depth {
-                sides: sides.map(|side| self.in_whole(side)),
-                depth,
-            };
-            if depth > found.deepest.as_ref().map_or(most, |own| own.depth) {
-                found.deepest = Some(here());
-            }
-            if warned || found.deep.is_some() {
-                continue;
-            }
-            let of = match self.thickness_of(sides) {
-                Some(thickness) => (depth > DEEP * thickness)
-                    .then(|| Beside::Thickness(thickness, self.penalty_between(sides))),
-                None => self.softness(sides, depth).map(Beside::Extent),
-            };
-            found.deep = of.map(|of| Deep { at: here(), of });
-        }
-        let mut all = of_all(vec![found], halo)?.into_iter();
-        let first = all.next().unwrap_or_default();
-        Ok(all.fold(first, |mut joined, other| {
-            joined.join(other);
-            joined
-        }))
-    }
-
-    /// A side, a body by its number in the whole.
-    fn in_whole(&self, side: Side) -> Partner {
-        match side {
-            Side::Member(member) => {
-                let id = self.members[member].id;
-                Partner::Body(self.world.number_in_whole(id).unwrap_or(id))
-            }
-            Side::Wall(wall) => Partner::Wall(wall as u32),
-        }
-    }
-
-    /// The name of a side.
-    fn name_of_partner(&self, side: Partner) -> String {
-        match side {
-            Partner::Body(body) => self.name_of_body(body),
-            Partner::Wall(wall) => self.name_of(Side::Wall(wall as usize)),
-        }
-    }
-
     /// The number of a body among the members.
     pub(super) fn member_of(&self, body: u32) -> Option<usize> {
         let mut members = self.members.iter();
         members.position(|member| member.id == body)
     }
 
-    /// Thickness of the thinner of the rigid bodies of a contact \[m\]; `None` with a deformable one, whose depth is its own
-    /// affair.
-    fn thickness_of(&self, sides: [Side; 2]) -> Option<f64> {
-        let mut least = f64::INFINITY;
-        for side in sides {
-            let Side::Member(member) = side else { continue };
-            let shape = self.world.shape_of(self.members[member].id)?;
-            least = least.min(2.0 * self.world.field_depth(shape)?);
-        }
-        Some(least)
-    }
-
     /// The penalty of the law of two sides, Pa.
-    fn penalty_between(&self, sides: [Side; 2]) -> f64 {
+    pub(super) fn penalty_between(&self, sides: [Side; 2]) -> f64 {
         let material = |side| match side {
             Side::Wall(wall) => self.world.wall_material(wall as u32),
             Side::Member(member) => self.world.material(self.members[member].id),
         };
         let materials = sides.map(|side| material(side).unwrap_or_default());
         self.world.laws().between(materials).penalty
-    }
-
-    /// The least extent of a deformable body of a contact \[m\], if the contact is deep beside it, so that it is the contact that
-    /// gives way.
-    fn softness(&self, sides: [Side; 2], depth: f64) -> Option<f64> {
-        let extents = sides.into_iter().filter_map(|side| {
-            let Side::Member(member) = side else {
-                return None;
-            };
-            let body = self.world.deformable(self.members[member].id)?;
-            let positions = body.positions();
-            let first = positions.first()?;
-            let each = positions.iter();
-            let (low, high) =
-                each.fold((*first, *first), |(low, high), x| (low.inf(x), high.sup(x)));
-            Some((high - low).min())
-        });
-        let least = extents.fold(f64::INFINITY, f64::min);
-        (depth > SOFT * least).then_some(least)
     }
 
     /// The first pair of which one has gone too deep, and the share of the smaller one's volume.

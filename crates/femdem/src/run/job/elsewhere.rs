@@ -6,7 +6,7 @@ use femdem_solve::{Alone, Ledger, World};
 
 use crate::Error;
 use crate::run::books::rounding_of_places;
-use crate::run::watch::Depths;
+use crate::run::depths::Depths;
 use crate::run::{Ending, Run};
 
 impl Run {
