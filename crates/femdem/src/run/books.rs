@@ -1,9 +1,9 @@
 //! Watch over the energy ledger of a run.
 
 use super::Run;
+use super::measured::rounding_of_places;
 use crate::Error;
-use femdem_mesh::Vector3;
-use femdem_solve::{Deformable, Ledger, World};
+use femdem_solve::Ledger;
 
 /// Steps between looks at the ledger: each takes a pass over bodies and contacts.
 const EVERY: u64 = 256;
@@ -16,24 +16,6 @@ pub(super) const LIMIT: f64 = 0.2;
 
 /// What is lost to rounding, over the potential and initial energy.
 const ROUNDING: f64 = 1e-9;
-
-/// What rounding alone gives to deformable bodies, J. Places x are rounded by u |x| in every step, with the u of double precision: a
-/// velocity of u |x|/Δt, which the stiffness of the elements, stable at that step, returns. The steps add up at random, to
-/// N ½ m (u |x|/Δt)².
-pub(super) fn rounding_of_places(world: &World) -> f64 {
-    let steps = world.steps() as f64;
-    let step = world.time() / steps;
-    let of = |body: Deformable<'_>| {
-        let farthest = body.positions().iter().map(Vector3::norm);
-        let speed = f64::EPSILON * farthest.fold(0.0, f64::max) / step;
-        0.5 * body.mass() * speed * speed
-    };
-    if step > 0.0 {
-        steps * world.deformables().map(of).sum::<f64>()
-    } else {
-        0.0
-    }
-}
 
 impl Run {
     /// Refuses to go on with a ledger that misses more than the scene's `energy-error-limit`.

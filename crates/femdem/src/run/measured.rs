@@ -2,14 +2,10 @@
 
 use femdem_contact::{BodyId, ExactSum};
 use femdem_mesh::Vector3;
-use femdem_solve::{Halo, Ledger, SolveError};
+use femdem_solve::{Deformable, Halo, Ledger, SolveError, World};
 
-use super::books::rounding_of_places;
 use super::contacts::by_wall;
-use super::gather::by_slices;
-use super::history::MemberState;
 use super::{CellState, Simulation};
-use crate::Error;
 
 /// What the rows of a time say but for members and flow.
 pub(super) struct Measured {
@@ -29,6 +25,24 @@ pub(super) struct Measured {
     /// Of each support.
     pub reactions: Vec<Vector3>,
     pub cells: Vec<CellState>,
+}
+
+/// What rounding alone gives to deformable bodies, J. Places x are rounded by u |x| in every step, with the u of double precision: a
+/// velocity of u |x|/Δt, which the stiffness of the elements, stable at that step, returns. The steps add up at random, to
+/// N ½ m (u |x|/Δt)².
+pub(super) fn rounding_of_places(world: &World) -> f64 {
+    let steps = world.steps() as f64;
+    let step = world.time() / steps;
+    let of = |body: Deformable<'_>| {
+        let farthest = body.positions().iter().map(Vector3::norm);
+        let speed = f64::EPSILON * farthest.fold(0.0, f64::max) / step;
+        0.5 * body.mass() * speed * speed
+    };
+    if step > 0.0 {
+        steps * world.deformables().map(of).sum::<f64>()
+    } else {
+        0.0
+    }
 }
 
 impl Simulation {
@@ -69,37 +83,5 @@ impl Simulation {
             reactions: on_supports.iter().map(|x| Vector3::from(*x)).collect(),
             cells: self.controls.cells(world, halo)?,
         })
-    }
-
-    /// What `members.csv` says of each member that is there; this has all of them.
-    pub(super) fn member_states(
-        &self,
-        mut take: impl FnMut(usize, MemberState) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let forces = self.forces(&self.contacts()).members;
-        for (at, (member, force)) in self.members.iter().zip(&forces).enumerate() {
-            if let Some(state) = MemberState::of(&self.world, member.id, force) {
-                take(at, state)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// The same of the members with these numbers of bodies in the whole, which the first rank names and others have, each its
-    /// own, ascending by their numbers here; `take` gets places among the numbers.
-    pub(super) fn member_states_on(
-        &self,
-        numbers: &[BodyId],
-        halo: &mut dyn Halo,
-        take: impl FnMut(usize, MemberState) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let forces = self.forces(&self.contacts()).members;
-        let of = |number| {
-            let id = self.world.number_here(number)?;
-            let own = (!self.world.is_guest(id)).then_some(id)?;
-            let at = self.members.binary_search_by_key(&own, |member| member.id);
-            MemberState::of(&self.world, own, &forces[at.ok()?])
-        };
-        by_slices(numbers, halo, of, take)
     }
 }

@@ -69,6 +69,7 @@ mod material;
 mod measured;
 mod meets;
 mod member;
+mod member_states;
 mod motion;
 mod names;
 mod of_pack;

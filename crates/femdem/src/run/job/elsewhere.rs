@@ -5,8 +5,8 @@ use std::path::Path;
 use femdem_solve::{Alone, Ledger, World};
 
 use crate::Error;
-use crate::run::books::rounding_of_places;
 use crate::run::depths::Depths;
+use crate::run::measured::rounding_of_places;
 use crate::run::{Ending, Run};
 
 impl Run {

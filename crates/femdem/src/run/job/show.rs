@@ -14,8 +14,8 @@ use crate::run::{Run, Simulation};
 
 impl Part {
     /// Shows the bodies to the run, on the first rank, which writes into `folder` what is due, or relaxes all of them for a part
-    /// of the steps of a relaxation. Returns whether the run has ended. The first rank has all bodies for it only where
-    /// [`needs_whole`](Self::needs_whole) says so, and when the motion ends.
+    /// of the steps of a relaxation. Returns whether the run has ended. The first rank has all bodies for it only when the motion
+    /// may end, for frames with bonds, bodies that may break, tables or pictures, and for rows of supports of bodies that may break.
     ///
     /// # Errors
     ///
