@@ -109,7 +109,7 @@ impl Job {
         Ok(due[0])
     }
 
-    /// Shows the first rank all bodies, which writes what is due. Returns whether the run has ended.
+    /// Shows the bodies to the first rank, which writes what is due. Returns whether the run has ended.
     fn catch_up(&mut self, halo: &mut MpiHalo) -> Result<bool> {
         Ok(self.part.go_on(self.run.as_mut(), &self.folder, halo)?)
     }

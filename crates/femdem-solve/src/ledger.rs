@@ -209,6 +209,64 @@ pub struct Ledger {
 }
 
 impl Ledger {
+    /// All its entries.
+    pub(crate) fn terms(&mut self) -> [&mut f64; 25] {
+        let Self {
+            initial,
+            work_in,
+            by_hand,
+            load_work,
+            lent,
+            fidelity,
+            kinetic,
+            potential,
+            elastic,
+            strain,
+            friction_springs,
+            cracks,
+            bonds,
+            dissipated_friction,
+            dissipated_damping,
+            dissipated_medium,
+            dissipated_viscous,
+            dissipated_plastic,
+            dissipated_bridges,
+            dissipated_fracture,
+            dissipated_bonds,
+            dissipated_release,
+            dissipated_step,
+            frozen,
+            exchanged,
+        } = self;
+        [
+            initial,
+            work_in,
+            by_hand,
+            load_work,
+            lent,
+            fidelity,
+            kinetic,
+            potential,
+            elastic,
+            strain,
+            friction_springs,
+            cracks,
+            bonds,
+            dissipated_friction,
+            dissipated_damping,
+            dissipated_medium,
+            dissipated_viscous,
+            dissipated_plastic,
+            dissipated_bridges,
+            dissipated_fracture,
+            dissipated_bonds,
+            dissipated_release,
+            dissipated_step,
+            frozen,
+            exchanged,
+        ]
+    }
+
     /// All energy put in: at the beginning and by additions, by hand, by drives and by loads, J.
     pub fn given(&self) -> f64 {
         self.initial + self.by_hand + self.work_in + self.load_work + self.lent + self.fidelity

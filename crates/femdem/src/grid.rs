@@ -13,113 +13,224 @@ use std::io::{self, Write};
 use femdem_fem::{DeformableModel, ElementStress};
 use femdem_mesh::{Pose, Vector3};
 use femdem_view::output::vtk::Document;
+use serde::{Deserialize, Serialize};
 
 const VTK_TETRA: u8 = 10;
 const VTK_QUADRATIC_TETRA: u8 = 24;
 
 /// A body with its stresses.
+#[derive(Serialize, Deserialize)]
 pub(crate) struct GridBody<'a> {
     /// Its number in the file.
     pub number: usize,
     /// Where it was placed: from the coordinates of the model's mesh to the world.
     pub placed: Pose,
-    pub model: &'a DeformableModel,
+    pub mesh: GridMesh<'a>,
     pub positions: Cow<'a, [Vector3]>,
     /// Written if all bodies have them.
-    pub velocities: Option<&'a [Vector3]>,
+    pub velocities: Option<Cow<'a, [Vector3]>>,
     /// One for each element.
-    pub stresses: &'a [ElementStress],
+    pub stresses: Cow<'a, [ElementStress]>,
     pub is_asleep: bool,
     /// If a material has one.
-    pub plastic_strains: Option<&'a [f64]>,
+    pub plastic_strains: Option<Cow<'a, [f64]>>,
 }
 
-/// Writes bodies as a VTU file, with the cell data that `more` adds.
+impl GridBody<'_> {
+    pub fn into_owned(self) -> GridBody<'static> {
+        let owned = |list: Cow<'_, [Vector3]>| Cow::Owned(list.into_owned());
+        GridBody {
+            number: self.number,
+            placed: self.placed,
+            mesh: GridMesh {
+                is_quadratic: self.mesh.is_quadratic,
+                nodes: owned(self.mesh.nodes),
+                elements: self.mesh.elements,
+                regions: Cow::Owned(self.mesh.regions.into_owned()),
+            },
+            positions: owned(self.positions),
+            velocities: self.velocities.map(owned),
+            stresses: Cow::Owned(self.stresses.into_owned()),
+            is_asleep: self.is_asleep,
+            plastic_strains: self.plastic_strains.map(|s| Cow::Owned(s.into_owned())),
+        }
+    }
+}
+
+/// The tetrahedra of a body.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct GridMesh<'a> {
+    is_quadratic: bool,
+    /// Where the nodes are without displacements.
+    nodes: Cow<'a, [Vector3]>,
+    /// The nodes of each element, whose order is VTK's.
+    elements: Vec<Vec<u32>>,
+    regions: Cow<'a, [u32]>,
+}
+
+impl<'a> GridMesh<'a> {
+    pub fn of(model: &'a DeformableModel) -> Self {
+        Self {
+            is_quadratic: model.element().is_quadratic(),
+            nodes: model.nodes().into(),
+            elements: model.elements().map(<[u32]>::to_vec).collect(),
+            regions: model.region_of_tet().into(),
+        }
+    }
+}
+
+/// Passes on bodies.
+pub(crate) type PassedBodies<'a> =
+    dyn Fn(&mut dyn FnMut(&GridBody<'_>) -> io::Result<()>) -> io::Result<()> + 'a;
+
+/// Writes bodies as a VTU file, with the cell data that `more` adds. They are passed on several times, and need not be in memory
+/// together.
 ///
 /// # Errors
 ///
-/// If writing fails.
+/// If writing or passing on fails.
 pub(crate) fn write_grid<'a>(
-    bodies: &'a [GridBody],
+    bodies: &'a PassedBodies<'a>,
     writer: impl Write,
     more: impl FnOnce(&mut Document<'a>),
 ) -> io::Result<()> {
-    let points: usize = bodies.iter().map(|b| b.positions.len()).sum();
-    let cells: usize = bodies.iter().map(|b| b.stresses.len()).sum();
+    let mut count = Counts::default();
+    bodies(&mut |b| {
+        count.points += b.positions.len();
+        count.cells += b.stresses.len();
+        count.corners += b.mesh.elements.iter().map(Vec::len).sum::<usize>();
+        count.still |= b.velocities.is_none();
+        count.plastic |= b.plastic_strains.is_some();
+        Ok(())
+    })?;
+    let (points, cells) = (count.points, count.cells);
     let mut out = Document::new("UnstructuredGrid");
     out.line(&format!(
         "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<Points>"
     ));
-    let positions = bodies.iter().flat_map(|b| b.positions.iter());
-    out.floats("points", 3, positions.flat_map(|x| <[f64; 3]>::from(*x)));
+    out.given_floats("points", 3, 3 * points, move |take| {
+        bodies(&mut |b| vectors(b.positions.iter().copied(), take))
+    });
     out.line("</Points>\n<Cells>");
-    let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
-    let mut first = 0;
-    for body in bodies {
-        let model = body.model;
-        let kind = if model.element().is_quadratic() {
-            VTK_QUADRATIC_TETRA
-        } else {
-            VTK_TETRA
-        };
-        for nodes in model.elements() {
-            // The order of the nodes is VTK's.
-            connectivity.extend(nodes.iter().map(|&node| first + i64::from(node)));
-            offsets.push(connectivity.len() as i64);
-            types.push(kind);
-        }
-        first += model.nodes().len() as i64;
-    }
-    out.integers("connectivity", connectivity);
-    out.integers("offsets", offsets);
-    out.bytes("types", types);
+    out.given_integers("connectivity", count.corners, move |take| {
+        let mut first = 0;
+        bodies(&mut |b| {
+            let nodes = b.mesh.elements.iter().flatten();
+            let (start, count) = (first, b.mesh.nodes.len() as i64);
+            first += count;
+            nodes
+                .map(|node| start + i64::from(*node))
+                .try_for_each(&mut *take)
+        })
+    });
+    out.given_integers("offsets", cells, move |take| {
+        let mut end = 0;
+        bodies(&mut |b| {
+            b.mesh.elements.iter().try_for_each(|nodes| {
+                end += nodes.len() as i64;
+                take(end)
+            })
+        })
+    });
+    out.given_bytes("types", cells, move |take| {
+        bodies(&mut |b| {
+            let kind = match b.mesh.is_quadratic {
+                true => VTK_QUADRATIC_TETRA,
+                false => VTK_TETRA,
+            };
+            b.mesh.elements.iter().try_for_each(|_| take(kind))
+        })
+    });
     out.line("</Cells>\n<PointData Vectors=\"displacement\">");
-    point_data(&mut out, bodies);
+    point_data(&mut out, bodies, &count);
     out.line("</PointData>\n<CellData Scalars=\"von_mises\">");
-    cell_data(&mut out, bodies);
+    cell_data(&mut out, bodies, &count);
     more(&mut out);
     out.line("</CellData>\n</Piece>");
     out.finish(writer)
 }
 
-fn point_data<'a>(out: &mut Document<'a>, bodies: &'a [GridBody]) {
-    let displacement = |b: &GridBody| -> Vec<f64> {
-        let pose = b.placed;
-        let nodes = b.positions.iter().zip(b.model.nodes());
-        let moved =
-            nodes.map(|(x, reference)| x - (pose.rotation * reference + pose.translation.vector));
-        moved.flat_map(<[f64; 3]>::from).collect()
-    };
-    out.floats("displacement", 3, bodies.iter().flat_map(displacement));
-    if bodies.iter().all(|b| b.velocities.is_some()) {
-        let velocities = bodies.iter().filter_map(|b| b.velocities).flatten();
-        out.floats("velocity", 3, velocities.flat_map(|v| <[f64; 3]>::from(*v)));
+#[derive(Default)]
+struct Counts {
+    points: usize,
+    cells: usize,
+    /// Nodes of elements.
+    corners: usize,
+    /// Whether a body has no velocities, and whether one has plastic strains.
+    still: bool,
+    plastic: bool,
+}
+
+/// Takes a number.
+type Take<'a> = dyn FnMut(f64) -> io::Result<()> + 'a;
+
+fn vectors(vectors: impl Iterator<Item = Vector3>, take: &mut Take<'_>) -> io::Result<()> {
+    vectors.flat_map(<[f64; 3]>::from).try_for_each(take)
+}
+
+fn point_data<'a>(out: &mut Document<'a>, bodies: &'a PassedBodies<'a>, count: &Counts) {
+    out.given_floats("displacement", 3, 3 * count.points, move |take| {
+        bodies(&mut |b| {
+            let pose = b.placed;
+            let nodes = b.positions.iter().zip(&*b.mesh.nodes);
+            let moved = nodes
+                .map(|(x, reference)| x - (pose.rotation * reference + pose.translation.vector));
+            vectors(moved, take)
+        })
+    });
+    if !count.still {
+        out.given_floats("velocity", 3, 3 * count.points, move |take| {
+            bodies(&mut |b| vectors(b.velocities.iter().flat_map(|v| v.iter()).copied(), take))
+        });
     }
 }
 
-fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [GridBody]) {
-    let number = |b: &GridBody| vec![b.number as i64; b.stresses.len()];
-    out.integers("body", bodies.iter().flat_map(number));
-    let regions = bodies.iter().flat_map(|b| b.model.region_of_tet());
-    out.integers("region", regions.map(|r| i64::from(*r)));
-    let stresses = || bodies.iter().flat_map(|b| b.stresses);
-    out.floats("von_mises", 1, stresses().map(ElementStress::von_mises));
-    out.floats("pressure", 1, stresses().map(ElementStress::pressure));
-    out.floats(
-        "principal_stress",
-        3,
-        stresses().flat_map(ElementStress::principal),
-    );
-    out.floats("stress", 6, stresses().flat_map(components));
-    out.floats("volume_ratio", 1, stresses().map(|s| s.volume_ratio));
-    let asleep = |b: &GridBody| vec![u8::from(b.is_asleep); b.stresses.len()];
-    out.bytes("sleeping", bodies.iter().flat_map(asleep));
-    if bodies.iter().any(|b| b.plastic_strains.is_some()) {
-        let strains = |b: &GridBody| {
-            let zero = || vec![0.0; b.stresses.len()];
-            b.plastic_strains.map_or_else(zero, <[f64]>::to_vec)
-        };
-        out.floats("plastic_strain", 1, bodies.iter().flat_map(strains));
+fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a PassedBodies<'a>, count: &Counts) {
+    let cells = count.cells;
+    out.given_integers("body", cells, move |take| {
+        bodies(&mut |b| b.stresses.iter().try_for_each(|_| take(b.number as i64)))
+    });
+    out.given_integers("region", cells, move |take| {
+        bodies(&mut |b| b.mesh.regions.iter().try_for_each(|r| take(i64::from(*r))))
+    });
+    let mut of_stress = |name, of: fn(&ElementStress) -> f64| {
+        out.given_floats(name, 1, cells, move |take| {
+            bodies(&mut |b| b.stresses.iter().map(of).try_for_each(&mut *take))
+        });
+    };
+    of_stress("von_mises", ElementStress::von_mises);
+    of_stress("pressure", ElementStress::pressure);
+    out.given_floats("principal_stress", 3, 3 * cells, move |take| {
+        bodies(&mut |b| {
+            let mut all = b.stresses.iter().flat_map(ElementStress::principal);
+            all.try_for_each(&mut *take)
+        })
+    });
+    out.given_floats("stress", 6, 6 * cells, move |take| {
+        bodies(&mut |b| {
+            b.stresses
+                .iter()
+                .flat_map(components)
+                .try_for_each(&mut *take)
+        })
+    });
+    out.given_floats("volume_ratio", 1, cells, move |take| {
+        bodies(&mut |b| b.stresses.iter().try_for_each(|s| take(s.volume_ratio)))
+    });
+    out.given_bytes("sleeping", cells, move |take| {
+        bodies(&mut |b| {
+            b.stresses
+                .iter()
+                .try_for_each(|_| take(u8::from(b.is_asleep)))
+        })
+    });
+    if count.plastic {
+        out.given_floats("plastic_strain", 1, cells, move |take| {
+            bodies(&mut |b| match &b.plastic_strains {
+                Some(strains) => strains.iter().copied().try_for_each(&mut *take),
+                None => b.stresses.iter().try_for_each(|_| take(0.0)),
+            })
+        });
     }
 }
 

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use femdem::run::{Ending, Member, Part, Run, Scenario};
-use femdem::solve::{Alone, Halo};
+use femdem::run::{Ending, HISTORY_COLUMNS, Member, Part, Run, Scenario};
+use femdem::solve::{Alone, Halo, SolveError};
 use femdem::{Error, Usage};
 
 use crate::threads::Threads;
@@ -15,6 +15,7 @@ use crate::threads::Threads;
 pub const STONES: &str = r#"
 duration = 3
 every = 0.04
+track = true
 
 [contact]
 friction = 0.4
@@ -40,6 +41,9 @@ copies = { count = [7, 2, 2], spacing = [0.058, 0.07, 0.07], seed = 1 }
 /// The frames and tables of a run, and why it ended and when.
 pub type Result = (BTreeMap<String, Vec<u8>>, Option<Ending>, f64);
 
+/// Over time.
+const OF_TIME: [&str; 4] = ["flow.csv", "members.csv", "wall_history.csv", "cells.csv"];
+
 /// Where bodies may break, of the end.
 const TABLES: [&str; 3] = ["cracks.vtp", "fragments.csv", "events.csv"];
 
@@ -56,12 +60,28 @@ pub fn result(run: &mut Run, folder: &Path) -> Result {
         (name, fs::read(path).unwrap())
     };
     let mut files: BTreeMap<String, Vec<u8>> = files.map(file).collect();
-    for name in ["flow.csv"].into_iter().chain(TABLES) {
+    for name in OF_TIME.into_iter().chain(TABLES) {
         let table = fs::read(folder.join(name)).ok();
         files.extend(table.map(|table| (name.to_owned(), table)));
     }
+    let rest = history(folder).into_iter().map(|[rest, _]| rest.join(","));
+    let rest: Vec<String> = rest.collect();
+    files.insert("history.csv".to_owned(), rest.join("\n").into_bytes());
     let time = run.simulation().world.time();
     (files, ending, time)
+}
+
+/// The rows of `history.csv`: what is the same over ranks, and the energies.
+fn history(folder: &Path) -> Vec<[Vec<String>; 2]> {
+    let text = fs::read_to_string(folder.join("history.csv")).unwrap();
+    let columns = HISTORY_COLUMNS.map(|column| column == "kinetic" || column == "energy_error");
+    let ends: Vec<usize> = (0..36).filter(|k| columns[*k]).collect();
+    let split = |line: &str| {
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let energies = fields.drain(ends[0]..=ends[1]).collect();
+        [fields, energies]
+    };
+    text.lines().map(split).collect()
 }
 
 /// A rank's part of a run to its end, or so many steps, with what the first one has made.
@@ -163,6 +183,120 @@ fn a_run_over_ranks_ends_at_a_limit_where_it_does_alone() {
     has_the_same_end(&format!("{until}\n{STONES}"), Ending::Until);
 }
 
+/// Of a body, whose rank alone knows it.
+#[test]
+fn a_limit_of_a_body_holds_over_ranks() {
+    let until = "until = [{ of = \"stone 28\", column = \"z\", below = 0.0995 }]";
+    let text = STONES.replace("track = true", until);
+    let (files, ending, _) = alone(&text);
+    assert!(ending == Some(Ending::Until) && !files.contains_key("members.csv"));
+    for size in [2, 3] {
+        assert!(shared(&text, size).1 == ending, "{size} ranks");
+    }
+}
+
+/// Energies are sums of what each rank has summed up, which differ by rounding.
+#[test]
+fn energies_over_ranks_are_those_alone() {
+    let soft = STONES.replace("duration = 3", "duration = 0.1");
+    for text in [format!("{soft}\n{RUBBER}"), BOND_ROW.to_owned()] {
+        let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let [one, three] = folders.each_ref().map(|folder| folder.path());
+        let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+        run.advance(one, u64::MAX).unwrap();
+        stopped(&text, three, u64::MAX, 3);
+        let rows = history(one).into_iter().zip(history(three));
+        let mut moving = 0;
+        for ([_, own], [_, other]) in rows.skip(1) {
+            let values =
+                |row: Vec<String>| -> Vec<f64> { row.iter().map(|x| x.parse().unwrap()).collect() };
+            let (own, other) = (values(own), values(other));
+            let most = own.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            moving += usize::from(own[0] > 1e-6);
+            for (a, b) in own.iter().zip(&other) {
+                assert!((a - b).abs() <= 1e-12 * most, "{own:?} {other:?}");
+            }
+        }
+        assert!(moving > 10, "{moving}");
+    }
+}
+
+/// What ranks tell the first one, at a time.
+struct Weighed<'a> {
+    halo: &'a mut dyn Halo,
+    most: usize,
+}
+
+impl Halo for Weighed<'_> {
+    fn rank(&self) -> usize {
+        self.halo.rank()
+    }
+
+    fn size(&self) -> usize {
+        self.halo.size()
+    }
+
+    fn least(&mut self, values: &mut [f64]) -> std::result::Result<(), SolveError> {
+        self.halo.least(values)
+    }
+
+    fn sum(&mut self, counts: &mut [u64]) -> std::result::Result<(), SolveError> {
+        self.halo.sum(counts)
+    }
+
+    fn swap(
+        &mut self,
+        with: &[usize],
+        messages: Vec<Vec<u8>>,
+    ) -> std::result::Result<Vec<Vec<u8>>, SolveError> {
+        self.halo.swap(with, messages)
+    }
+
+    fn send(
+        &mut self,
+        messages: Vec<(usize, Vec<u8>)>,
+    ) -> std::result::Result<Vec<(usize, Vec<u8>)>, SolveError> {
+        let bytes = messages.iter().map(|(_, bytes)| bytes.len());
+        self.most = bytes.fold(self.most, usize::max);
+        self.halo.send(messages)
+    }
+}
+
+/// A row and a frame on the way take a fifth of what the whole does at most, which the end takes.
+#[test]
+fn rows_and_frames_take_no_whole() {
+    let text = STONES.replace("duration = 3", "duration = 0.1");
+    let folder = tempfile::tempdir().unwrap();
+    let weights = Threads::each(2, |halo| {
+        let mut run = (halo.rank() == 0).then(|| {
+            let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
+            run.advance(folder.path(), 0).unwrap();
+            run
+        });
+        let mut part = Part::share_out(run.as_mut(), halo).unwrap();
+        let mut show = |part: &mut Part, halo: &mut dyn Halo| {
+            let mut weighed = Weighed { halo, most: 0 };
+            let ended = part.go_on(run.as_mut(), folder.path(), &mut weighed);
+            (ended.unwrap(), weighed.most)
+        };
+        let mut on_the_way = 0;
+        while !part.step(halo).unwrap() {
+            let (ended, most) = show(&mut part, halo);
+            assert!(!ended);
+            on_the_way = on_the_way.max(most);
+        }
+        let (ended, at_the_end) = show(&mut part, halo);
+        assert!(ended && run.is_none_or(|run| run.frames().len() == 4));
+        [on_the_way, at_the_end]
+    });
+    for [on_the_way, at_the_end] in weights {
+        assert!(
+            on_the_way > 0 && 5 * on_the_way < at_the_end,
+            "{on_the_way} and {at_the_end} bytes"
+        );
+    }
+}
+
 /// A lid that presses, and a side that comes nearer.
 #[test]
 fn controlled_walls_go_on_over_ranks_from_a_checkpoint() {
@@ -179,7 +313,11 @@ fn controlled_walls_go_on_over_ranks_from_a_checkpoint() {
     let (mut run, _) = Run::read(path).unwrap();
     run.advance(path, u64::MAX).unwrap();
     assert!(result(&mut run, path) == expected);
-    let cells = run.simulation().controls.cells(&run.simulation().world);
+    let simulation = run.simulation();
+    let cells = simulation
+        .controls
+        .cells(&simulation.world, &mut Alone)
+        .unwrap();
     assert!(
         cells[0].stress[2] > 1e3 && cells[0].strain[0] > 0.05,
         "{cells:?}"
@@ -206,10 +344,8 @@ table = [[0.2, 0], [0.25, 1]]"#;
     }
 }
 
-/// Rubber between stones, which the first rank relaxes: from the end of the motion, and in a run that goes on in the relaxation.
-#[test]
-fn a_relaxation_over_ranks_is_that_alone() {
-    let rubber = r#"[material.rubber]
+/// Two blocks over the stones.
+const RUBBER: &str = r#"[material.rubber]
 density = 1200
 law = "neo-hookean"
 young = 1e6
@@ -222,8 +358,12 @@ material = "rubber"
 behaviour = "deformable"
 position = [0.11, 0.075, 0.2]
 copies = { count = [2, 1, 1], spacing = [0.2, 0.1, 0.1] }"#;
+
+/// Rubber between stones, which the first rank relaxes: from the end of the motion, and in a run that goes on in the relaxation.
+#[test]
+fn a_relaxation_over_ranks_is_that_alone() {
     let text = STONES.replace("duration = 3", "duration = 0.16");
-    let text = format!("relax = {{ tolerance = 1e-9, steps = 5000 }}\n{text}\n{rubber}");
+    let text = format!("relax = {{ tolerance = 1e-9, steps = 5000 }}\n{text}\n{RUBBER}");
     let expected = alone(&text);
     assert_eq!(expected.1, Some(Ending::Time));
     for size in [2, 3] {

@@ -2,6 +2,7 @@
 
 use femdem::mesh::{Matrix3, PeriodicCell};
 use femdem::run::ControlEntry;
+use femdem::solve::Alone;
 use pyo3::prelude::*;
 
 use super::World;
@@ -41,7 +42,8 @@ impl World {
 
     /// The boxes with controlled walls, and the controlled cell.
     fn controlled_cells(&self) -> PyResult<String> {
-        let cells = self.controls.cells(&self.world);
+        let cells = self.controls.cells(&self.world, &mut Alone);
+        let cells = cells.map_err(refused)?;
         serde_json::to_string(&cells).map_err(refused)
     }
 

@@ -85,6 +85,27 @@ impl World {
         self.batch.bonds()
     }
 
+    /// How many bonds of all ranks are not broken, and how many are; those that have ended count too.
+    ///
+    /// # Errors
+    /// [`SolveError::Ranks`] if the world was not shared out over these ranks, and what `halo` reports.
+    pub fn bond_counts_on(&self, halo: &mut dyn Halo) -> Result<[u64; 2], SolveError> {
+        self.fits(halo)?;
+        let is_own = |bond: &&Bond| {
+            bond.bodies()
+                .into_iter()
+                .max()
+                .is_some_and(|b| !self.is_guest(b))
+        };
+        let own = self.bonds().map(|(_, bond)| bond).filter(is_own);
+        let mut counts = [0; 2];
+        for bond in own.chain(self.ended_bonds()) {
+            counts[usize::from(bond.is_broken())] += 1;
+        }
+        halo.sum(&mut counts)?;
+        Ok(counts)
+    }
+
     /// A bond; `None` for one that was never added or whose body has gone.
     pub fn bond(&self, id: BondId) -> Option<&Bond> {
         self.batch.bond(id)

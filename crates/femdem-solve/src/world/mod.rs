@@ -23,6 +23,7 @@ mod stability;
 mod step;
 mod stop;
 mod stored;
+mod sums;
 mod time_step;
 
 use crate::body::{Body, Shape};

@@ -34,7 +34,7 @@ impl World {
     ) -> Result<Vec<Resistance>, SolveError> {
         let each = self.batch.pushes(walls).into_iter().flatten();
         let own = [self.exact_energy()].into_iter().chain(each).collect();
-        let sums = self.sum_exactly(own, halo)?;
+        let sums = self.sums_on(own, halo)?;
         let [energy, each @ ..] = &sums[..] else {
             return Ok(Vec::new());
         };
@@ -69,18 +69,6 @@ impl World {
         }))
     }
 
-    /// Kinetic energy of all bodies of all ranks except driven ones, J: exact, as [`resistances`](Self::resistances).
-    ///
-    /// # Errors
-    /// As [`resistances`](Self::resistances).
-    pub fn kinetic_energy_on(&self, halo: &mut dyn Halo) -> Result<f64, SolveError> {
-        let rigid = self.free_bodies().map(|(_, body)| body.kinetic_energy());
-        let soft = self.own_nodes();
-        let soft = soft.map(|(_, nodes, model)| nodes.kinetic_energy(model.model.masses()));
-        let [energy] = self.sums_of_all([rigid.chain(soft).collect()], halo)?;
-        Ok(energy)
-    }
-
     /// Mass of the free bodies, rigid ones if they are awake, kg, and the sums of mass times place of their centres, kg m.
     pub(super) fn moments_of_free(&self) -> [ExactSum; 4] {
         let free = self.awake.iter().map(|&i| &self.bodies[i as usize]);
@@ -109,27 +97,5 @@ impl World {
             }));
         }
         sum
-    }
-
-    /// The values of sums over all ranks.
-    pub(super) fn sums_of_all<const N: usize>(
-        &self,
-        own: [ExactSum; N],
-        halo: &mut dyn Halo,
-    ) -> Result<[f64; N], SolveError> {
-        let all = self.sum_exactly(own.into(), halo)?;
-        Ok(std::array::from_fn(|k| all[k]))
-    }
-
-    fn sum_exactly(&self, own: Vec<ExactSum>, halo: &mut dyn Halo) -> Result<Vec<f64>, SolveError> {
-        self.fits(halo)?;
-        if halo.size() == 1 {
-            return Ok(own.iter().map(ExactSum::value).collect());
-        }
-        let mut words: Vec<u64> = own.into_iter().flat_map(ExactSum::words).collect();
-        halo.sum(&mut words)?;
-        let (sums, _) = words.as_chunks();
-        let value = |words| ExactSum::of_words(words).value();
-        Ok(sums.iter().map(value).collect())
     }
 }

@@ -113,12 +113,68 @@ impl<'a> Document<'a> {
         self.array("UInt8", name, 1, values.into_iter().map(|byte| [byte]));
     }
 
+    /// As [`floats`](Self::floats), of `count` numbers that `give` passes on one by one when the document is written: it may fetch
+    /// them in parts.
+    pub fn given_floats(
+        &mut self,
+        name: &str,
+        components: usize,
+        count: usize,
+        give: impl FnOnce(&mut dyn FnMut(f64) -> io::Result<()>) -> io::Result<()> + 'a,
+    ) {
+        self.given("Float64", name, components, count, |take| {
+            give(&mut |value| take(value.to_le_bytes()))
+        });
+    }
+
+    /// The same of 64-bit integers.
+    pub fn given_integers(
+        &mut self,
+        name: &str,
+        count: usize,
+        give: impl FnOnce(&mut dyn FnMut(i64) -> io::Result<()>) -> io::Result<()> + 'a,
+    ) {
+        self.given("Int64", name, 1, count, |take| {
+            give(&mut |value| take(value.to_le_bytes()))
+        });
+    }
+
+    /// The same of bytes.
+    pub fn given_bytes(
+        &mut self,
+        name: &str,
+        count: usize,
+        give: impl FnOnce(&mut dyn FnMut(u8) -> io::Result<()>) -> io::Result<()> + 'a,
+    ) {
+        self.given("UInt8", name, 1, count, |take| {
+            give(&mut |value| take([value]))
+        });
+    }
+
     fn array<const N: usize>(
         &mut self,
         kind: &str,
         name: &str,
         components: usize,
         values: impl Iterator<Item = [u8; N]> + Clone + 'a,
+    ) {
+        let count = match values.size_hint() {
+            (least, Some(most)) if least == most => most,
+            _ => values.clone().count(),
+        };
+        self.given(kind, name, components, count, |take| {
+            let mut values = values;
+            values.try_for_each(take)
+        });
+    }
+
+    fn given<const N: usize>(
+        &mut self,
+        kind: &str,
+        name: &str,
+        components: usize,
+        count: usize,
+        give: impl FnOnce(&mut dyn FnMut([u8; N]) -> io::Result<()>) -> io::Result<()> + 'a,
     ) {
         // Writing to a string cannot fail.
         let _ = writeln!(
@@ -127,16 +183,19 @@ impl<'a> Document<'a> {
              format=\"appended\" offset=\"{}\"/>",
             self.length
         );
-        let count = match values.size_hint() {
-            (least, Some(most)) if least == most => most,
-            _ => values.clone().count(),
-        };
         let size = N * count;
         self.length += (size_of::<u64>() + size).div_ceil(3) * 4;
+        let name = name.to_owned();
         self.arrays.push(Box::new(move |out| {
             out.push(&(size as u64).to_le_bytes())?;
-            for value in values {
-                out.push(&value)?;
+            let mut given = 0;
+            give(&mut |value| {
+                given += 1;
+                out.push(&value)
+            })?;
+            if given != count {
+                let message = format!("{given} values of {count} were given for \"{name}\"");
+                return Err(io::Error::new(io::ErrorKind::InvalidData, message));
             }
             out.finish()
         }));
@@ -221,6 +280,33 @@ mod tests {
             assert!(text.contains(&format!("\n_{expected}{expected}\n</AppendedData>")));
             assert!(text.contains(&format!("offset=\"{}\"/>", expected.len())));
         }
+    }
+
+    /// Values that are given make the same file; too few of them are an error.
+    #[test]
+    fn given_values_are_those_of_a_list() {
+        let mut listed = Document::new("PolyData");
+        listed.floats("x", 3, [1.0, 2.0, 3.0]);
+        listed.integers("n", [7, 8]);
+        listed.bytes("b", [9]);
+        let mut expected = Vec::new();
+        listed.finish(&mut expected).unwrap();
+        let write = |most: i64| {
+            let mut given = Document::new("PolyData");
+            given.given_floats("x", 3, 3, |take| {
+                [1.0, 2.0, 3.0].into_iter().try_for_each(take)
+            });
+            given.given_integers("n", 2, move |take| (7..most).try_for_each(take));
+            given.given_bytes("b", 1, |take| take(9));
+            let mut bytes = Vec::new();
+            given.finish(&mut bytes).map(|()| bytes)
+        };
+        assert!(write(9).unwrap() == expected);
+        let refused = write(8).unwrap_err().to_string();
+        assert!(
+            refused.contains("1 values of 2") && refused.contains("\"n\""),
+            "{refused}"
+        );
     }
 
     #[test]

@@ -5,9 +5,11 @@
 
 use std::io::{self, Write};
 
+use femdem_mesh::Polyhedron;
+
 use super::csv::invalid;
 use super::vtk::Document;
-use crate::{Body, BodyLoad, Snapshot};
+use crate::{Body, BodyLoad, NamedShape, Snapshot};
 
 const VTK_POLYHEDRON: u8 = 42;
 
@@ -34,90 +36,130 @@ pub fn write_numbered(snapshot: &Snapshot, numbers: &[i64], writer: impl Write) 
         let message = format!("{} numbers for {} bodies", numbers.len(), bodies.len());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    let sizes = bodies
-        .iter()
-        .map(|body| snapshot.shape_of(body).polyhedron.vertices().len() as i64);
-    let starts = running_sum(sizes);
-    let points = starts.last().copied().unwrap_or(0);
+    let rows = || bodies.iter().zip(numbers).zip(&loads);
+    write_rows(&snapshot.shapes, writer, &|take| {
+        rows().try_for_each(|((body, number), load)| take(body, *number, load))
+    })
+}
+
+/// Passes on bodies with their numbers, in the order of a file.
+pub type Numbered<'a> = dyn Fn(&mut dyn FnMut(&Body, i64) -> io::Result<()>) -> io::Result<()> + 'a;
+
+/// As [`write_numbered`], of bodies without contacts, of these shapes, that are passed on several times: they need not be in memory
+/// together.
+///
+/// # Errors
+///
+/// If writing or passing on fails, and as [`io::ErrorKind::InvalidInput`] for a body of no such shape.
+pub fn write_passed(
+    shapes: &[NamedShape],
+    bodies: &Numbered<'_>,
+    writer: impl Write,
+) -> io::Result<()> {
+    let none = BodyLoad::default();
+    write_rows(shapes, writer, &|take| {
+        bodies(&mut |body, number| take(body, number, &none))
+    })
+}
+
+/// Passes on what there is to write of bodies.
+type Rows<'a> =
+    dyn Fn(&mut dyn FnMut(&Body, i64, &BodyLoad) -> io::Result<()>) -> io::Result<()> + 'a;
+
+fn write_rows(shapes: &[NamedShape], writer: impl Write, rows: &Rows<'_>) -> io::Result<()> {
+    let of = |body: &Body| {
+        let shape = shapes.get(body.shape as usize);
+        let none = || format!("shape {} of {}", body.shape, shapes.len());
+        let shape = shape.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, none()));
+        Ok::<_, io::Error>(&shape?.polyhedron)
+    };
+    let (mut count, mut points, mut stream) = (0_usize, 0_usize, 0_usize);
+    rows(&mut |body, _, _| {
+        let polyhedron = of(body)?;
+        count += 1;
+        points += polyhedron.vertices().len();
+        stream += stream_length(polyhedron);
+        Ok(())
+    })?;
+    // The sum so far of a number of each body, with what is passed on of it.
+    let sums = |size: &dyn Fn(&Polyhedron) -> usize,
+                take: &mut dyn FnMut(&Polyhedron, i64, i64) -> io::Result<()>| {
+        let mut sum = 0;
+        rows(&mut |body, _, _| {
+            let polyhedron = of(body)?;
+            let before = sum;
+            sum += size(polyhedron) as i64;
+            take(polyhedron, before, sum)
+        })
+    };
+    let corners = |polyhedron: &Polyhedron| polyhedron.vertices().len();
     let mut out = Document::new("UnstructuredGrid");
     out.line(&format!(
-        "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{}\">",
-        bodies.len()
+        "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{count}\">"
     ));
     out.line("<Points>");
-    out.floats(
-        "points",
-        3,
-        bodies.iter().flat_map(|body| coordinates(snapshot, body)),
-    );
+    out.given_floats("points", 3, 3 * points, |take| {
+        rows(&mut |body, _, _| {
+            let vertices = of(body)?.vertices().iter();
+            let mut places = vertices.flat_map(|vertex| <[f64; 3]>::from(body.pose * vertex));
+            places.try_for_each(&mut *take)
+        })
+    });
     out.line("</Points>\n<Cells>");
     // The vertices of the bodies follow each other, so that those of a cell are consecutive numbers.
-    out.integers("connectivity", 0..points);
-    out.integers("offsets", starts.iter().skip(1).copied());
-    out.bytes("types", bodies.iter().map(|_| VTK_POLYHEDRON));
-    let streams = bodies
-        .iter()
-        .zip(&starts)
-        .map(|(body, &start)| face_stream(snapshot, body, start));
-    let ends = running_sum(streams.clone().map(|stream| stream.len() as i64));
-    out.integers("faces", streams.flatten());
-    out.integers("faceoffsets", ends.into_iter().skip(1));
+    out.integers("connectivity", 0..points as i64);
+    out.given_integers("offsets", count, |take| {
+        sums(&corners, &mut |_, _, end| take(end))
+    });
+    out.bytes("types", std::iter::repeat_n(VTK_POLYHEDRON, count));
+    out.given_integers("faces", stream, |take| {
+        sums(&corners, &mut |polyhedron, start, _| {
+            face_stream(polyhedron, start, take)
+        })
+    });
+    out.given_integers("faceoffsets", count, |take| {
+        sums(&stream_length, &mut |_, _, end| take(end))
+    });
     out.line("</Cells>\n<CellData Scalars=\"sequence\">");
-    out.integers("body", numbers.iter().copied());
-    cell_data(&mut out, bodies, &loads);
+    out.given_integers("body", count, |take| rows(&mut |_, number, _| take(number)));
+    out.given_integers("sequence", count, |take| {
+        rows(&mut |body, _, _| take(i64::from(body.sequence)))
+    });
+    out.given_integers("shape", count, |take| {
+        rows(&mut |body, _, _| take(i64::from(body.shape)))
+    });
+    out.given_integers("coordination", count, |take| {
+        rows(&mut |_, _, load| take(i64::from(load.coordination)))
+    });
+    out.given_floats("force_sum", 1, count, |take| {
+        rows(&mut |_, _, load| take(load.force_sum))
+    });
+    out.given_bytes("sleeping", count, |take| {
+        rows(&mut |body, _, _| take(u8::from(body.sleeping)))
+    });
     out.line("</CellData>\n</Piece>");
     out.finish(writer)
 }
 
-fn cell_data<'a>(out: &mut Document<'a>, bodies: &'a [Body], loads: &'a [BodyLoad]) {
-    out.integers(
-        "sequence",
-        bodies.iter().map(|body| i64::from(body.sequence)),
-    );
-    out.integers("shape", bodies.iter().map(|body| i64::from(body.shape)));
-    out.integers(
-        "coordination",
-        loads.iter().map(|load| i64::from(load.coordination)),
-    );
-    out.floats("force_sum", 1, loads.iter().map(|load| load.force_sum));
-    out.bytes(
-        "sleeping",
-        bodies.iter().map(|body| u8::from(body.sleeping)),
-    );
-}
-
-/// World coordinates of a body's vertices, one after another.
-fn coordinates<'a>(
-    snapshot: &'a Snapshot,
-    body: &'a Body,
-) -> impl Iterator<Item = f64> + Clone + 'a {
-    let vertices = snapshot.shape_of(body).polyhedron.vertices();
-    vertices
-        .iter()
-        .flat_map(|vertex| <[f64; 3]>::from(body.pose * vertex))
-}
-
-/// The face stream of a polyhedron in VTK: the number of its faces, then for each face the number of its
+/// Passes on the face stream of a polyhedron in VTK: the number of its faces, then for each face the number of its
 /// corners and their point indices.
-fn face_stream(snapshot: &Snapshot, body: &Body, start: i64) -> Vec<i64> {
-    let polyhedron = &snapshot.shape_of(body).polyhedron;
-    let mut stream = vec![polyhedron.face_count() as i64];
+fn face_stream(
+    polyhedron: &Polyhedron,
+    start: i64,
+    take: &mut dyn FnMut(i64) -> io::Result<()>,
+) -> io::Result<()> {
+    take(polyhedron.face_count() as i64)?;
     for face in polyhedron.faces() {
-        stream.push(face.len() as i64);
-        stream.extend(face.iter().map(|&vertex| start + i64::from(vertex)));
+        take(face.len() as i64)?;
+        let mut corners = face.iter().map(|&vertex| start + i64::from(vertex));
+        corners.try_for_each(&mut *take)?;
     }
-    stream
+    Ok(())
 }
 
-/// Sums of the first 0, 1, 2, ... of the values.
-fn running_sum(values: impl Iterator<Item = i64>) -> Vec<i64> {
-    let mut sums = vec![0];
-    let mut sum = 0;
-    sums.extend(values.map(|value| {
-        sum += value;
-        sum
-    }));
-    sums
+fn stream_length(polyhedron: &Polyhedron) -> usize {
+    let faces = polyhedron.faces();
+    1 + faces.map(|face| 1 + face.len()).sum::<usize>()
 }
 
 #[cfg(test)]
@@ -128,7 +170,14 @@ mod tests {
     #[test]
     fn second_cube_has_its_own_points_and_six_faces() {
         let snapshot = two_cubes();
-        let stream = face_stream(&snapshot, &snapshot.bodies[1], 8);
+        let polyhedron = &snapshot.shape_of(&snapshot.bodies[1]).polyhedron;
+        let mut stream = Vec::new();
+        let take = &mut |value| {
+            stream.push(value);
+            Ok(())
+        };
+        face_stream(polyhedron, 8, take).unwrap();
+        assert_eq!(stream.len(), stream_length(polyhedron));
         assert_eq!(stream.len(), 1 + 6 * 5);
         assert_eq!(stream[..2], [6, 4]);
         let mut corners: Vec<i64> = stream[1..]

@@ -1,9 +1,9 @@
 //! Watch over the energy ledger of a run.
 
 use super::Run;
+use super::measured::rounding_of_places;
 use crate::Error;
-use femdem_mesh::Vector3;
-use femdem_solve::{Deformable, World};
+use femdem_solve::Ledger;
 
 /// Steps between looks at the ledger: each takes a pass over bodies and contacts.
 const EVERY: u64 = 256;
@@ -17,24 +17,6 @@ pub(super) const LIMIT: f64 = 0.2;
 /// What is lost to rounding, over the potential and initial energy.
 const ROUNDING: f64 = 1e-9;
 
-/// What rounding alone gives to deformable bodies, J. Places x are rounded by u |x| in every step, with the u of double precision: a
-/// velocity of u |x|/Δt, which the stiffness of the elements, stable at that step, returns. The steps add up at random, to
-/// N ½ m (u |x|/Δt)².
-fn rounding_of_places(world: &World) -> f64 {
-    let steps = world.steps() as f64;
-    let step = world.time() / steps;
-    let of = |body: Deformable<'_>| {
-        let farthest = body.positions().iter().map(Vector3::norm);
-        let speed = f64::EPSILON * farthest.fold(0.0, f64::max) / step;
-        0.5 * body.mass() * speed * speed
-    };
-    if step > 0.0 {
-        steps * world.deformables().map(of).sum::<f64>()
-    } else {
-        0.0
-    }
-}
-
 impl Run {
     /// Refuses to go on with a ledger that misses more than the scene's `energy-error-limit`.
     ///
@@ -46,16 +28,13 @@ impl Run {
         if !world.steps().is_multiple_of(EVERY) {
             return Ok(());
         }
-        self.close_books()
+        self.close_books(&world.ledger(), rounding_of_places(world))
     }
 
-    /// The same now, whatever the step.
-    pub(super) fn close_books(&self) -> Result<(), Error> {
-        let world = &self.simulation().world;
-        let ledger = world.ledger();
+    /// The same of a ledger now, whatever the step; `rounding` is what rounding alone gives to deformable bodies \[J\].
+    pub(super) fn close_books(&self, ledger: &Ledger, rounding: f64) -> Result<(), Error> {
         let (missing, limit) = (ledger.error_relative(), self.scenario().energy_error_limit);
-        let rounding =
-            ROUNDING * (ledger.potential.abs() + ledger.initial.abs()) + rounding_of_places(world);
+        let rounding = ROUNDING * (ledger.potential.abs() + ledger.initial.abs()) + rounding;
         // Within an impact a large step has the energy of the contact and that of the motion at different times. What
         // the contacts store now is therefore no evidence.
         let sure = 1.0 - ((ledger.elastic + rounding) / ledger.error().abs()).min(1.0);
@@ -64,7 +43,7 @@ impl Run {
         }
         Err(Error::Books {
             missing,
-            time: world.time(),
+            time: self.simulation().world.time(),
             limit,
         })
     }

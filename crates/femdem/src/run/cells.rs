@@ -3,7 +3,8 @@
 use femdem_view::output::csv::quoted;
 
 use super::history::{number, vector};
-use super::{ContactForces, Simulation};
+use super::measured::Measured;
+use super::{CellState, Simulation};
 
 /// Columns of `wall_history.csv`.
 pub const WALL_HISTORY_COLUMNS: [&str; 9] =
@@ -34,9 +35,9 @@ pub const CELL_COLUMNS: [&str; 19] = [
 
 /// Rows of `wall_history.csv`: how far each wall is from where the scenario places it, and the force of the bodies on it,
 /// as a vector and as what they press. Walls that have been taken away have none.
-pub(super) fn wall_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<Vec<String>> {
+pub(super) fn wall_rows(simulation: &Simulation, seen: &Measured) -> Vec<Vec<String>> {
     let world = &simulation.world;
-    let on_walls = forces.walls.iter().zip(&forces.pressing);
+    let on_walls = seen.walls.iter().zip(&seen.pressing);
     let walls = simulation.walls.iter().zip(on_walls);
     let rows = walls.filter_map(|(wall, (force, pressing))| {
         let pose = world.wall_pose(wall.id)?;
@@ -49,12 +50,10 @@ pub(super) fn wall_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<
     rows.collect()
 }
 
-/// Rows of `cells.csv`.
-pub(super) fn cell_rows(simulation: &Simulation) -> Vec<Vec<String>> {
-    let world = &simulation.world;
-    let controls = &simulation.controls;
-    let rows = controls.cells(world).into_iter().map(|state| {
-        let mut row = vec![number(world.time()), quoted(&state.name)];
+/// Rows of `cells.csv` at a time \[s\].
+pub(super) fn cell_rows(time: f64, cells: &[CellState]) -> Vec<Vec<String>> {
+    let rows = cells.iter().map(|state| {
+        let mut row = vec![number(time), quoted(&state.name)];
         row.extend(state.sides.map(number));
         row.extend([state.volume(), state.solid_fraction].map(number));
         row.extend(state.stress.map(number));

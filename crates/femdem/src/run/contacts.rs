@@ -1,13 +1,14 @@
 //! Contacts of a simulation: of rigid and deformable bodies and walls, in one list.
 
-use femdem_contact::{Contact, Partner, mean_penetration};
+use femdem_contact::{Contact, ExactSum, Partner, mean_penetration};
 use femdem_mesh::Vector3;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use super::{NamedWall, Simulation};
 
 /// A side of a contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Side {
     /// A body, by its number among the members.
     Member(usize),
@@ -16,7 +17,7 @@ pub enum Side {
 }
 
 /// A contact, or a patch of one between rigid bodies.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactLine {
     /// Side A.
     pub a: Side,
@@ -93,34 +94,63 @@ impl Simulation {
         contacts.map(line).collect()
     }
 
+    /// Those that belong to no other rank: each contact belongs to one.
+    pub(super) fn own_contacts(&self) -> Vec<ContactLine> {
+        let mut contacts = self.contacts();
+        contacts.retain(|contact| !self.world.is_guest(self.members[contact.b].id));
+        contacts
+    }
+
     /// Sums of the forces of these contacts by member and by wall.
     #[must_use]
     pub fn forces(&self, contacts: &[ContactLine]) -> ContactForces {
-        let mut forces = ContactForces {
-            members: vec![Vector3::zeros(); self.members.len()],
-            walls: vec![Vector3::zeros(); self.walls.len()],
-            pressing: vec![0.0; self.walls.len()],
-        };
+        let mut members = vec![Vector3::zeros(); self.members.len()];
         for contact in contacts {
             let force = contact.force();
-            if let Some(on_b) = forces.members.get_mut(contact.b) {
+            if let Some(on_b) = members.get_mut(contact.b) {
                 *on_b += force;
             }
-            let on_a = match contact.a {
-                Side::Member(member) => forces.members.get_mut(member),
-                Side::Wall(wall) => {
-                    let known = |other: &NamedWall| other.id as usize;
-                    let place = self.walls.binary_search_by_key(&wall, known).ok();
-                    if let Some(pressing) = place.and_then(|at| forces.pressing.get_mut(at)) {
-                        *pressing += contact.pressing;
-                    }
-                    place.and_then(|at| forces.walls.get_mut(at))
-                }
-            };
-            if let Some(on_a) = on_a {
+            if let Side::Member(member) = contact.a
+                && let Some(on_a) = members.get_mut(member)
+            {
                 *on_a -= force;
             }
         }
-        forces
+        let sums = self.wall_sums(contacts);
+        let sums: Vec<f64> = sums.iter().map(ExactSum::value).collect();
+        let (walls, pressing) = by_wall(&sums);
+        ContactForces {
+            members,
+            walls,
+            pressing,
+        }
     }
+
+    /// For each wall four sums over these contacts, the same in any order: the force on it, and what they press. See [`by_wall`].
+    pub(super) fn wall_sums(&self, contacts: &[ContactLine]) -> Vec<ExactSum> {
+        let mut sums = vec![ExactSum::default(); 4 * self.walls.len()];
+        for contact in contacts {
+            let Side::Wall(wall) = contact.a else {
+                continue;
+            };
+            let known = |other: &NamedWall| other.id as usize;
+            let Ok(place) = self.walls.binary_search_by_key(&wall, known) else {
+                continue;
+            };
+            let force = contact.force();
+            let terms = [-force.x, -force.y, -force.z, contact.pressing];
+            for (sum, term) in sums[4 * place..].iter_mut().zip(terms) {
+                sum.add(term);
+            }
+        }
+        sums
+    }
+}
+
+/// The forces on walls \[N\] and what presses on them, from the values of their sums.
+pub(super) fn by_wall(sums: &[f64]) -> (Vec<Vector3>, Vec<f64>) {
+    let (sums, _) = sums.as_chunks::<4>();
+    let each = sums.iter();
+    each.map(|[x, y, z, pressing]| (Vector3::new(*x, *y, *z), *pressing))
+        .unzip()
 }

@@ -1,5 +1,6 @@
 //! A frame of a simulation, in files for ParaView.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use femdem_fem::ElementStress;
@@ -10,7 +11,7 @@ use femdem_view::output::vtu;
 
 use super::contacts::{ContactLine, Side};
 use super::{Member, Simulation};
-use crate::grid::{GridBody, write_grid};
+use crate::grid::{GridBody, GridMesh, write_grid};
 use crate::{Body, Error, NamedShape, Snapshot};
 
 /// A deformable body with its stresses.
@@ -25,24 +26,26 @@ pub(super) struct Strained<'a> {
 }
 
 impl Strained<'_> {
-    fn in_grid(&self) -> GridBody<'_> {
+    pub fn in_grid(&self) -> GridBody<'_> {
         GridBody {
             number: self.member,
             placed: self.entry.placed,
-            model: self.body.model(),
+            mesh: GridMesh::of(self.body.model()),
             positions: self.body.positions().into(),
-            velocities: Some(self.body.velocities()),
-            stresses: &self.stresses,
+            velocities: Some(self.body.velocities().into()),
+            stresses: (&*self.stresses).into(),
             is_asleep: self.body.is_asleep(),
-            plastic_strains: self.plastic_strains.as_deref(),
+            plastic_strains: self.plastic_strains.as_deref().map(Cow::from),
         }
     }
 }
 
 impl Simulation {
-    /// The deformable bodies with their stresses.
+    /// The deformable bodies with their stresses, but for those of other ranks.
     pub(super) fn strained(&self) -> Result<Vec<Strained<'_>>, Error> {
-        let bodies = self.deformables().map(|(member, entry, body)| {
+        let own = self.deformables();
+        let own = own.filter(|(_, member, _)| !self.world.is_guest(member.id));
+        let bodies = own.map(|(member, entry, body)| {
             let plastic_strains = body.model().plastic_strains(body.history());
             Ok(Strained {
                 member,
@@ -59,10 +62,6 @@ impl Simulation {
     #[must_use]
     pub fn rigid_snapshot(&self) -> Snapshot {
         let world = &self.world;
-        let shapes = world.shapes().iter().map(|shape| NamedShape {
-            name: shape.name.clone(),
-            polyhedron: shape.polyhedron.clone(),
-        });
         let bodies = self
             .members
             .iter()
@@ -77,10 +76,18 @@ impl Simulation {
                 })
             });
         Snapshot {
-            shapes: shapes.collect(),
+            shapes: self.named_shapes(),
             bodies: bodies.collect(),
             ..Snapshot::default()
         }
+    }
+
+    pub(super) fn named_shapes(&self) -> Vec<NamedShape> {
+        let shapes = self.world.shapes().iter().map(|shape| NamedShape {
+            name: shape.name.clone(),
+            polyhedron: shape.polyhedron.clone(),
+        });
+        shapes.collect()
     }
 
     /// Writes the rigid bodies as a VTU file; `body` is their number in the scene.
@@ -106,7 +113,7 @@ impl Simulation {
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
         let cracks = self.has_breakable().then(|| self.cracks_of_tets());
         let bodies: Vec<GridBody> = bodies.iter().map(Strained::in_grid).collect();
-        write_grid(&bodies, writer, |out| {
+        write_grid(&|take| bodies.iter().try_for_each(take), writer, |out| {
             if let Some(CracksOfTets { fragment, damage }) = &cracks {
                 out.integers("fragment", fragment.iter().copied());
                 out.floats("damage", 1, damage.iter().copied());
@@ -122,10 +129,24 @@ impl Simulation {
     ///
     /// If writing fails.
     pub fn write_contacts(&self, writer: impl Write) -> io::Result<()> {
+        let contacts = self.contacts();
+        self.write_passed_contacts(&|take| contacts.iter().try_for_each(take), writer)
+    }
+
+    /// The same of contacts that are passed on several times, in the order of the file.
+    pub(super) fn write_passed_contacts(
+        &self,
+        contacts: &Passed<'_>,
+        writer: impl Write,
+    ) -> io::Result<()> {
         let walls: Vec<usize> = self.walls.iter().map(|wall| wall.id as usize).collect();
-        write_points(&self.contacts(), &walls, writer)
+        write_points(contacts, &walls, writer)
     }
 }
+
+/// Passes on contacts.
+pub(super) type Passed<'a> =
+    dyn Fn(&mut dyn FnMut(&ContactLine) -> io::Result<()>) -> io::Result<()> + 'a;
 
 /// By tetrahedron of all deformable bodies.
 struct CracksOfTets {
@@ -160,42 +181,67 @@ impl Simulation {
 }
 
 /// `walls` has the numbers of the walls, which have gaps where some were taken away; a wall is named by its place among them.
-fn write_points(contacts: &[ContactLine], walls: &[usize], writer: impl Write) -> io::Result<()> {
-    let count = contacts.len();
-    let mut out = Document::new("PolyData");
-    out.line(&format!(
-        "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\" NumberOfLines=\"0\" \
-         NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>"
-    ));
-    let vectors = |of: fn(&ContactLine) -> Vector3| {
-        contacts.iter().flat_map(move |c| <[f64; 3]>::from(of(c)))
-    };
-    out.floats("points", 3, vectors(|c| c.point));
-    out.line("</Points>\n<Verts>");
-    out.integers("connectivity", 0..count as i64);
-    out.integers("offsets", 1..=count as i64);
-    out.line("</Verts>\n<PointData Scalars=\"normal_force\" Vectors=\"force\">");
-    out.floats("force", 3, vectors(ContactLine::force));
-    out.floats("normal", 3, vectors(|c| c.normal));
-    out.floats("normal_force", 1, contacts.iter().map(|c| c.normal_force));
-    out.floats(
-        "tangential_force",
-        1,
-        contacts.iter().map(|c| c.friction.norm()),
-    );
-    out.floats("area", 1, contacts.iter().map(|c| c.area));
-    out.floats(
-        "penetration",
-        1,
-        contacts.iter().map(ContactLine::penetration),
-    );
+fn write_points(contacts: &Passed<'_>, walls: &[usize], writer: impl Write) -> io::Result<()> {
+    let mut count = 0;
+    contacts(&mut |_| {
+        count += 1;
+        Ok(())
+    })?;
     let place = |wall: usize| walls.partition_point(|other| *other < wall) as i64;
     let a = |c: &ContactLine| match c.a {
         Side::Member(member) => member as i64,
         Side::Wall(wall) => -1 - place(wall),
     };
-    out.integers("a", contacts.iter().map(a));
-    out.integers("b", contacts.iter().map(|c| c.b as i64));
+    let mut out = Document::new("PolyData");
+    out.line(&format!(
+        "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\" NumberOfLines=\"0\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>"
+    ));
+    vectors(&mut out, contacts, count, "points", |c| c.point);
+    out.line("</Points>\n<Verts>");
+    out.integers("connectivity", 0..count as i64);
+    out.integers("offsets", 1..=count as i64);
+    out.line("</Verts>\n<PointData Scalars=\"normal_force\" Vectors=\"force\">");
+    vectors(&mut out, contacts, count, "force", ContactLine::force);
+    vectors(&mut out, contacts, count, "normal", |c| c.normal);
+    numbers(&mut out, contacts, count, "normal_force", |c| {
+        c.normal_force
+    });
+    numbers(&mut out, contacts, count, "tangential_force", |c| {
+        c.friction.norm()
+    });
+    numbers(&mut out, contacts, count, "area", |c| c.area);
+    numbers(
+        &mut out,
+        contacts,
+        count,
+        "penetration",
+        ContactLine::penetration,
+    );
+    out.given_integers("a", count, |take| contacts(&mut |c| take(a(c))));
+    out.given_integers("b", count, |take| contacts(&mut |c| take(c.b as i64)));
     out.line("</PointData>\n</Piece>");
     out.finish(writer)
+}
+
+fn vectors<'a>(
+    out: &mut Document<'a>,
+    contacts: &'a Passed<'a>,
+    count: usize,
+    name: &str,
+    of: fn(&ContactLine) -> Vector3,
+) {
+    out.given_floats(name, 3, 3 * count, move |take| {
+        contacts(&mut |c| <[f64; 3]>::from(of(c)).into_iter().try_for_each(&mut *take))
+    });
+}
+
+fn numbers<'a>(
+    out: &mut Document<'a>,
+    contacts: &'a Passed<'a>,
+    count: usize,
+    name: &str,
+    of: fn(&ContactLine) -> f64,
+) {
+    out.given_floats(name, 1, count, move |take| contacts(&mut |c| take(of(c))));
 }

@@ -5,12 +5,14 @@ use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::Path;
 
+use femdem_contact::BodyId;
 use femdem_mesh::Vector3;
+use femdem_solve::World;
 use femdem_view::ViewError;
 use femdem_view::output::csv::quoted;
 use serde::{Deserialize, Serialize};
 
-use super::contacts::ContactForces;
+use super::measured::Measured;
 use super::{NamedWall, Simulation};
 use crate::Error;
 
@@ -60,6 +62,9 @@ pub const MEMBER_COLUMNS: [&str; 17] = [
     "qx", "qy", "qz",
 ];
 
+/// Bytes of rows that are kept in memory, where there are many.
+const MANY: usize = 1 << 22;
+
 /// A text file that grows by rows. The rows since the last flush are kept in memory, so that a file can be
 /// taken back to the state of a checkpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -84,6 +89,19 @@ impl Table {
             self.pending.push_str(&field);
         }
         self.pending.push('\n');
+    }
+
+    /// A row of so many that they are appended to the file on the way.
+    pub fn row_of_many(
+        &mut self,
+        fields: impl IntoIterator<Item = String>,
+        path: &Path,
+    ) -> Result<(), Error> {
+        self.row(fields);
+        match self.pending.len() > MANY {
+            true => self.flush(path),
+            false => Ok(()),
+        }
     }
 
     /// Appends the new rows to the file, after cutting off anything beyond the bytes written before.
@@ -136,16 +154,13 @@ pub(super) fn history_header(simulation: &Simulation) -> Vec<String> {
 }
 
 /// A row of `history.csv`.
-pub(super) fn history_row(
-    simulation: &Simulation,
-    contacts: usize,
-    forces: &ContactForces,
-    reactions: &[Vector3],
-) -> Vec<String> {
-    let world = &simulation.world;
-    let ledger = world.ledger();
-    let p = world.linear_momentum();
-    let x = world.centre_of_mass();
+pub(super) fn history_row(world: &World, seen: &Measured) -> Vec<String> {
+    let Measured {
+        ledger,
+        momentum: p,
+        centre: x,
+        ..
+    } = seen;
     let mut row = vec![number(world.time()), world.steps().to_string()];
     let numbers = [
         world.time_step(),
@@ -179,36 +194,56 @@ pub(super) fn history_row(
         x.z,
     ];
     row.extend(numbers.map(number));
-    row.push(contacts.to_string());
-    row.push(simulation.piece_count().to_string());
-    row.extend(simulation.bond_counts().map(|count| count.to_string()));
-    row.push(number(simulation.deformable_share()));
-    row.extend(forces.walls.iter().flat_map(vector));
-    row.extend(reactions.iter().flat_map(vector));
+    row.push(seen.contacts.to_string());
+    row.push(seen.pieces.to_string());
+    row.extend(seen.bonds.map(|count| count.to_string()));
+    row.push(number(seen.deformable_share));
+    row.extend(seen.walls.iter().flat_map(vector));
+    row.extend(seen.reactions.iter().flat_map(vector));
     row
 }
 
-/// Rows of `members.csv`.
-pub(super) fn member_rows(simulation: &Simulation, forces: &ContactForces) -> Vec<Vec<String>> {
-    let world = &simulation.world;
-    let members = simulation.members.iter().zip(&forces.members);
-    let rows = members.filter_map(|(member, force)| {
-        let id = member.id;
-        let mut turned = [const { String::new() }; 4];
-        if let Some(pose) = world.pose(id) {
+/// What `members.csv` says of a body.
+#[derive(Serialize, Deserialize)]
+pub(super) struct MemberState {
+    place: Vector3,
+    velocity: Vector3,
+    /// From contacts.
+    force: Vector3,
+    kinetic: f64,
+    strain: f64,
+    /// w, x, y and z of the quaternion of a rigid body.
+    turned: Option<[f64; 4]>,
+}
+
+impl MemberState {
+    /// Of a body of a world; `None` if it is not there.
+    pub fn of(world: &World, id: BodyId, force: &Vector3) -> Option<Self> {
+        let turned = world.pose(id).map(|pose| {
             let q = pose.rotation;
-            turned = [q.w, q.i, q.j, q.k].map(number);
-        }
-        let (x, v) = (world.position(id)?, world.velocity(id)?);
-        let kinetic = world.body_kinetic_energy(id)?;
+            [q.w, q.i, q.j, q.k]
+        });
         let strain = world.deformable(id).map(|body| body.internal().energy);
-        let mut row = vec![number(world.time()), quoted(&member.name)];
-        row.extend([x, v, *force].iter().flat_map(vector));
-        row.extend([kinetic, strain.unwrap_or(0.0)].map(number));
-        row.extend(turned);
-        Some(row)
-    });
-    rows.collect()
+        Some(Self {
+            place: world.position(id)?,
+            velocity: world.velocity(id)?,
+            force: *force,
+            kinetic: world.body_kinetic_energy(id)?,
+            strain: strain.unwrap_or(0.0),
+            turned,
+        })
+    }
+
+    /// Its row of `members.csv`.
+    pub fn row(&self, time: f64, name: &str) -> Vec<String> {
+        let mut row = vec![number(time), quoted(name)];
+        let vectors = [&self.place, &self.velocity, &self.force];
+        row.extend(vectors.into_iter().flat_map(vector));
+        row.extend([self.kinetic, self.strain].map(number));
+        let turned = self.turned.map(|q| q.map(number));
+        row.extend(turned.unwrap_or([const { String::new() }; 4]));
+        row
+    }
 }
 
 pub(super) fn vector(v: &Vector3) -> [String; 3] {

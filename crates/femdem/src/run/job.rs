@@ -3,8 +3,11 @@
 mod advance;
 mod elsewhere;
 mod files;
+mod fixtures;
 mod part;
 mod resume;
+mod show;
+mod shown;
 mod tables;
 
 use femdem_mesh::Vector3;

@@ -57,9 +57,10 @@ impl Simulation {
         self.has_adaptive() || self.breakable_bodies().next().is_some()
     }
 
-    /// Number of the pieces of the bodies that may break.
+    /// Number of the pieces of the bodies that may break and belong to no other rank.
     pub(super) fn piece_count(&self) -> usize {
         let bodies = self.breakable_bodies();
+        let bodies = bodies.filter(|body| !self.world.is_guest(body.entry.id));
         bodies.map(|body| body.piece_count()).sum::<usize>() + self.adaptive_rigid().count()
     }
 

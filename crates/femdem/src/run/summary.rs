@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use femdem_fem::DeformableModel;
 use femdem_mesh::Vector3;
+use femdem_solve::Alone;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -267,7 +268,7 @@ impl RunSummary {
             rest: simulation.rest(),
             bodies,
             walls: walls.collect(),
-            cells: simulation.controls.cells(world),
+            cells: simulation.controls.cells(world, &mut Alone)?,
             flow: simulation.flow.summary(),
             reactions: reactions.collect(),
             penalty: simulation.penalty.clone(),
@@ -285,7 +286,7 @@ impl RunSummary {
             frames: run.frames().len(),
             tetrahedra,
             energy: energy(&world.ledger()),
-            momentum: (world.linear_momentum() + Vector3::zeros()).into(),
+            momentum: (world.linear_momentum_on(&mut Alone)? + Vector3::zeros()).into(),
             strain: strain(run)?,
             fracture: simulation.fracture_summary(),
             fidelity: simulation.fidelity_summary(),

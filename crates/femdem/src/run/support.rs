@@ -72,7 +72,7 @@ impl Simulation {
         format!("{body} {}", support.name)
     }
 
-    /// Force of each support on its body now \[N\]: it balances the forces of elements, contacts, loads and
+    /// Force of each support on its body now \[N\], over ranks on the bodies of this one: it balances the forces of elements, contacts, loads and
     /// gravity on the nodes in the held directions. The inertia of these nodes is not included. Before the
     /// first step no force is known, and all are zero.
     #[must_use]
@@ -91,6 +91,7 @@ impl Simulation {
         let number = support.member as u32;
         let of = |(k, member): &(u32, &Member)| *k == number || member.of == Some(number);
         let own = (0_u32..).zip(&self.members).filter(of);
+        let own = own.filter(|(_, member)| !world.is_guest(member.id));
         let bodies = own.filter_map(|(_, member)| world.deformable(member.id));
         let sum = |sum: Vector3, body| sum + self.reaction_of(support, &body);
         // Adding zero avoids -0.

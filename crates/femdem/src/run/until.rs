@@ -43,7 +43,7 @@ pub struct Reached {
 }
 
 /// A row of each of the things that a table tells of.
-type Lines = Vec<Vec<String>>;
+pub(super) type Lines = Vec<Vec<String>>;
 
 /// What the tables of a run say of one time.
 pub(super) struct Rows {
@@ -181,14 +181,19 @@ impl Scenario {
     /// Columns of the tables with several rows at a time, and the names of these.
     fn named_rows(&self, simulation: &Simulation) -> [(&'static [&'static str], Vec<String>); 4] {
         let walls = simulation.walls.iter().map(|wall| wall.name.clone());
-        let cells = simulation.controls.cells(&simulation.world).into_iter();
+        let cells = simulation.controls.cell_names().map(str::to_owned);
         let members = simulation.members.iter().map(|member| member.name.clone());
         [
             (&WALL_HISTORY_COLUMNS, walls.collect()),
-            (&CELL_COLUMNS, cells.map(|cell| cell.name).collect()),
+            (&CELL_COLUMNS, cells.collect()),
             (&FLOW_COLUMNS, self.flow_names()),
             (&MEMBER_COLUMNS, members.collect()),
         ]
+    }
+
+    /// Whether rows of members are written or looked at.
+    pub(super) fn sees_members(&self) -> bool {
+        self.track || self.looks_at(&MEMBER_COLUMNS)
     }
 
     /// Whether a limit is one of rows of this table.

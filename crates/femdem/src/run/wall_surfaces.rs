@@ -33,8 +33,19 @@ impl Simulation {
     ///
     /// If writing fails.
     pub fn write_wall_surfaces(&self, scene: &Scenario, writer: impl Write) -> io::Result<()> {
-        let surfaces = self.surfaces(scene);
         let forces = self.forces(&self.contacts()).walls;
+        self.write_walls_around(self.extent_of_bodies(), &forces, scene, writer)
+    }
+
+    /// The same around bodies in a box, with these forces on the walls.
+    pub(super) fn write_walls_around(
+        &self,
+        bodies: Option<[Vector3; 2]>,
+        forces: &[Vector3],
+        scene: &Scenario,
+        writer: impl Write,
+    ) -> io::Result<()> {
+        let surfaces = self.surfaces(bodies, scene);
         let points: usize = surfaces.iter().map(|s| s.points.len()).sum();
         let polygons: usize = surfaces.iter().map(|s| s.polygons.len()).sum();
         let (mut connectivity, mut offsets, mut first) = (Vec::new(), Vec::new(), 0);
@@ -67,7 +78,7 @@ impl Simulation {
         out.finish(writer)
     }
 
-    fn surfaces(&self, scene: &Scenario) -> Vec<Surface> {
+    fn surfaces(&self, bodies: Option<[Vector3; 2]>, scene: &Scenario) -> Vec<Surface> {
         let world = &self.world;
         let there = || {
             let walls = self.walls.iter().enumerate();
@@ -94,7 +105,7 @@ impl Simulation {
                 })),
             }
         }
-        let Some([low, high]) = self.extent(scene, &surfaces) else {
+        let Some([low, high]) = self.extent(bodies, scene, &surfaces) else {
             return surfaces;
         };
         for (k, (wall, plane)) in planes.iter().enumerate() {
@@ -116,34 +127,46 @@ impl Simulation {
         surfaces
     }
 
-    /// The box around the bodies, where they begin, the boxes of the scene and the walls with an end, with a margin.
-    fn extent(&self, scene: &Scenario, surfaces: &[Surface]) -> Option<[Vector3; 2]> {
-        let world = &self.world;
-        let mut points: Vec<Vector3> = self.beginnings().collect();
-        points.extend(surfaces.iter().flat_map(|s| &s.points).map(|p| p.coords));
+    /// Lowest and highest corner of the box around the bodies \[m\]; `None` without any.
+    pub(super) fn extent_of_bodies(&self) -> Option<[Vector3; 2]> {
         let snapshot = self.rigid_snapshot();
-        for body in &snapshot.bodies {
-            let radius = snapshot.shapes[body.shape as usize]
-                .polyhedron
-                .bounding_radius();
-            let x = body.pose.translation.vector;
-            points.extend([x.add_scalar(-radius), x.add_scalar(radius)]);
-        }
-        points.extend(
-            self.deformables()
-                .flat_map(|(_, _, body)| body.positions().to_vec()),
-        );
+        let rigid = snapshot.bodies.iter().flat_map(|body| {
+            let polyhedron = &snapshot.shapes[body.shape as usize].polyhedron;
+            let (x, radius) = (body.pose.translation.vector, polyhedron.bounding_radius());
+            [x.add_scalar(-radius), x.add_scalar(radius)]
+        });
+        let soft = self.deformables();
+        let soft = soft.flat_map(|(_, _, body)| body.positions()).copied();
+        box_around(rigid.chain(soft))
+    }
+
+    /// The box around the bodies, which lie in one, where they begin, the boxes of the scene and the walls with an end, with a
+    /// margin.
+    fn extent(
+        &self,
+        bodies: Option<[Vector3; 2]>,
+        scene: &Scenario,
+        surfaces: &[Surface],
+    ) -> Option<[Vector3; 2]> {
+        let world = &self.world;
+        let mut points: Vec<Vector3> = bodies.into_iter().flatten().collect();
+        points.extend(surfaces.iter().flat_map(|s| &s.points).map(|p| p.coords));
         for (entry, walls) in scene.wall.iter().zip(&self.origin.walls) {
             if let Some(space) = &entry.r#box {
                 let corners = BoxWalls::new(space, walls, world).corners(world);
                 points.extend(corners.map(Vector3::from));
             }
         }
-        let low = points.iter().copied().reduce(|a, b| a.inf(&b))?;
-        let high = points.iter().copied().reduce(|a, b| a.sup(&b))?;
+        let [low, high] = box_around(self.beginnings().chain(points))?;
         let margin = MARGIN * (high - low).norm();
         Some([low.add_scalar(-margin), high.add_scalar(margin)])
     }
+}
+
+/// Lowest and highest corner of the box around points.
+fn box_around(points: impl Iterator<Item = Vector3>) -> Option<[Vector3; 2]> {
+    let each = points.map(|point| [point, point]);
+    each.reduce(|[low, high], [a, b]| [low.inf(&a), high.sup(&b)])
 }
 
 /// The part of a plane in a box, counter-clockwise seen from the side of the bodies.

@@ -4,26 +4,19 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use femdem_contact::{Partner, WallShape};
 use femdem_mesh::Vector3;
+use femdem_solve::Alone;
 use serde::{Deserialize, Serialize};
 
 use super::Simulation;
 use super::contacts::Side;
+use super::depths::{Beside, Deep, Depth, Depths, EVERY};
 use crate::Error;
-
-/// Steps between looks.
-const EVERY: u64 = 16;
 
 /// A run stops where more than this share of the smaller body's volume lies in the other side.
 const MOST: f64 = 0.5;
 
 /// The share that a penalty should be chosen for, in the advice.
 const WANTED: f64 = 0.05;
-
-/// A run warns of overlaps above this share of the thickness of the smaller body.
-const DEEP: f64 = 0.1;
-
-/// A run warns of overlaps above this share of the least extent of a deformable body.
-const SOFT: f64 = 0.05;
 
 /// Overlap with a sheet, over its thickness times the section of the body, from which a contact whose normal turns round is that of
 /// a body that passes through.
@@ -60,7 +53,9 @@ impl Watch {
     ///
     /// [`Error::Through`] with the pair and a penalty that would do.
     pub fn look(&mut self, simulation: &Simulation) -> Result<(), Error> {
-        self.see_depths(simulation);
+        let warned = !self.warnings.is_empty();
+        let depths = simulation.depths(self.deepest.depth, warned, &mut Alone)?;
+        self.see(&depths, simulation);
         let through = match self.passed(simulation) {
             Some(pair) => Some((pair, 1.0)),
             None if simulation.world.steps().is_multiple_of(EVERY) => simulation.swallowed(),
@@ -83,48 +78,36 @@ impl Watch {
     }
 
     /// Records the deepest contact, and warns of the first deep one.
-    pub fn see_depths(&mut self, simulation: &Simulation) {
-        let world = &simulation.world;
-        let most = self.deepest.depth;
-        let is_new = |volume: f64, area: f64| volume > most * area;
-        let mut rigid = world.rigid_contacts().into_iter();
-        let mut soft = world.deformable_contacts();
-        let news =
-            rigid.any(|c| is_new(c.volume, c.area)) || soft.any(|c| is_new(c.volume, c.area));
-        let due = self.warnings.is_empty() && world.steps().is_multiple_of(EVERY);
-        if !(news || due) {
-            return;
-        }
-        for contact in simulation.contacts() {
-            let depth = simulation.depth_of(&contact);
-            let sides = [contact.a, Side::Member(contact.b)];
-            if depth > self.deepest.depth {
-                self.deepest = Deepest {
-                    depth,
-                    time: world.time(),
-                    between: sides.map(|side| simulation.name_of(side)),
-                };
-            }
-            if !self.warnings.is_empty() {
-                continue;
-            }
-            let Some(thickness) = simulation.thickness_of(sides) else {
-                self.warnings.extend(simulation.softness(sides, depth));
-                continue;
+    pub fn see(&mut self, depths: &Depths, simulation: &Simulation) {
+        let time = simulation.world.time();
+        let names = |sides: &[Partner; 2]| sides.map(|side| simulation.name_of_partner(side));
+        if let Some(Depth { depth, sides }) = &depths.deepest {
+            self.deepest = Deepest {
+                depth: *depth,
+                time,
+                between: names(sides),
             };
-            if depth > DEEP * thickness {
+        }
+        let Some(Deep { at, of }) = &depths.deep else {
+            return;
+        };
+        let ([a, b], depth) = (names(&at.sides), at.depth);
+        self.warnings.push(match of {
+            Beside::Thickness(thickness, penalty) => {
                 let share = depth / thickness;
-                let [a, b] = sides.map(|side| simulation.name_of(side));
-                let penalty = simulation.penalty_between(sides);
                 let enough = penalty * (share / WANTED).powi(2);
-                self.warnings.push(format!(
-                    "{b} overlaps {a} by {:.0} % of its thickness, {depth:.2e} m, at {:.6} s: the penalty of {penalty:.2e} Pa is soft \
+                format!(
+                    "{b} overlaps {a} by {:.0} % of its thickness, {depth:.2e} m, at {time:.6} s: the penalty of {penalty:.2e} Pa is soft \
                      for it; contact.penalty, or that of their pair, = {enough:.1e} would do",
                     100.0 * share,
-                    world.time(),
-                ));
+                )
             }
-        }
+            Beside::Extent(least) => format!(
+                "{b} and {a} overlap by {depth:.2e} m at {time:.6} s, {:.0} % of what deforms: its contacts give way too, and forces are too \
+                 low; take a larger contact-ratio",
+                100.0 * depth / least,
+            ),
+        });
     }
 
     /// A wall of tetrahedra and a rigid body whose contact has turned round while the body was within it.
@@ -176,52 +159,14 @@ impl Simulation {
         members.position(|member| member.id == body)
     }
 
-    /// Thickness of the thinner of the rigid bodies of a contact \[m\]; `None` with a deformable one, whose depth is its own
-    /// affair.
-    fn thickness_of(&self, sides: [Side; 2]) -> Option<f64> {
-        let mut least = f64::INFINITY;
-        for side in sides {
-            let Side::Member(member) = side else { continue };
-            let shape = self.world.shape_of(self.members[member].id)?;
-            least = least.min(2.0 * self.world.field_depth(shape)?);
-        }
-        Some(least)
-    }
-
     /// The penalty of the law of two sides, Pa.
-    fn penalty_between(&self, sides: [Side; 2]) -> f64 {
+    pub(super) fn penalty_between(&self, sides: [Side; 2]) -> f64 {
         let material = |side| match side {
             Side::Wall(wall) => self.world.wall_material(wall as u32),
             Side::Member(member) => self.world.material(self.members[member].id),
         };
         let materials = sides.map(|side| material(side).unwrap_or_default());
         self.world.laws().between(materials).penalty
-    }
-
-    /// A warning if the contact of a deformable body is deep beside it, so that it is the contact that gives way.
-    fn softness(&self, sides: [Side; 2], depth: f64) -> Option<String> {
-        let [a, b] = sides.map(|side| self.name_of(side));
-        let extents = sides.into_iter().filter_map(|side| {
-            let Side::Member(member) = side else {
-                return None;
-            };
-            let body = self.world.deformable(self.members[member].id)?;
-            let positions = body.positions();
-            let first = positions.first()?;
-            let each = positions.iter();
-            let (low, high) =
-                each.fold((*first, *first), |(low, high), x| (low.inf(x), high.sup(x)));
-            Some((high - low).min())
-        });
-        let least = extents.fold(f64::INFINITY, f64::min);
-        (depth > SOFT * least).then(|| {
-            format!(
-                "{b} and {a} overlap by {depth:.2e} m at {:.6} s, {:.0} % of what deforms: its contacts give way too, and forces are too \
-                 low; take a larger contact-ratio",
-                self.world.time(),
-                100.0 * depth / least,
-            )
-        })
     }
 
     /// The first pair of which one has gone too deep, and the share of the smaller one's volume.

@@ -10,7 +10,7 @@ use femdem_view::output::write_file;
 use femdem_view::picture::{PictureOptions, draw_by};
 
 use super::{BodyStress, Field, StressOptions, StressSummary, Stresses};
-use crate::grid::{GridBody, write_grid};
+use crate::grid::{GridBody, GridMesh, write_grid};
 use crate::means::COMPONENTS;
 use crate::run::unit_of;
 use crate::{Body, BodyValues, Error, Snapshot, Spacing};
@@ -74,15 +74,15 @@ impl Stresses {
             bodies.push(GridBody {
                 number,
                 placed: body.pose,
-                model,
+                mesh: GridMesh::of(model),
                 positions: nodes.map(place).collect::<Vec<_>>().into(),
                 velocities: None,
-                stresses: &stresses[number],
+                stresses: (&*stresses[number]).into(),
                 is_asleep: body.sleeping,
                 plastic_strains: None,
             });
         }
-        write_grid(&bodies, writer, |_| {})
+        write_grid(&|take| bodies.iter().try_for_each(take), writer, |_| {})
     }
 
     /// The bodies' largest tensions, for a picture.

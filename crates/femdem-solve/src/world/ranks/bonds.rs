@@ -4,8 +4,8 @@ use crate::body::Body;
 use crate::error::SolveError;
 use crate::halo::Alone;
 use crate::world::World;
-use femdem_contact::BodyId;
 use femdem_contact::bond::Bond;
+use femdem_contact::{BodyId, PairRecord};
 
 impl World {
     /// Refuses bonds, of a world that has all bodies, over gaps so wide that the rank of one body might not know the other, wherever
@@ -51,6 +51,12 @@ impl World {
             counts[id as usize] += 1;
         }
         counts
+    }
+
+    /// The bonds that had ended when bodies were last dealt, each on one rank.
+    pub(in crate::world) fn ended_bonds(&self) -> impl Iterator<Item = &Bond> {
+        let share = self.share.as_deref().into_iter();
+        share.flat_map(|share| share.ended.iter().filter_map(PairRecord::bond))
     }
 
     fn live_bonds(&self) -> impl Iterator<Item = &Bond> {

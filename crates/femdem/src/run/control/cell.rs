@@ -71,12 +71,6 @@ pub(super) fn inwards(axis: usize, side: usize) -> Vector3 {
     direction
 }
 
-/// Force with which a wall presses along a direction, without dashpots \[N\].
-pub(super) fn push(world: &World, wall: u32, direction: &Vector3) -> f64 {
-    let load = world.wall_load(wall).unwrap_or_default();
-    -load.static_part().force.dot(direction)
-}
-
 impl BoxWalls {
     /// Those of the box of a scenario, which are these walls of the world.
     pub(in crate::run) fn new(space: &BoxEntry, walls: &[u32], world: &World) -> Self {
@@ -115,16 +109,22 @@ impl Cell {
         sides[(axis + 1) % 3] * sides[(axis + 2) % 3]
     }
 
-    /// The state now; `errors` are those of the controlled stresses.
-    pub(super) fn state(&self, world: &World, errors: [Option<f64>; 3]) -> CellState {
+    /// Its walls, by axis, with the directions into it.
+    pub(super) fn inwards(&self) -> impl Iterator<Item = (u32, Vector3)> {
+        let pairs = (0..).zip(&self.walls.numbers);
+        pairs.flat_map(|(axis, pair)| {
+            let each = (0..).zip(pair);
+            each.filter_map(move |(side, wall)| Some(((*wall)?, inwards(axis, side))))
+        })
+    }
+
+    /// The state now, without the errors of controlled stresses; `pushes` are the forces on its walls along these directions \[N\].
+    pub(super) fn state(&self, world: &World, mut pushes: impl Iterator<Item = f64>) -> CellState {
         let sides = self.walls.sides(world);
         let stress = [0, 1, 2].map(|axis| {
-            let each = (0..).zip(self.walls.numbers[axis]);
-            let pushes =
-                each.filter_map(|(side, wall)| Some(push(world, wall?, &inwards(axis, side))));
-            let (sum, count) =
-                pushes.fold((0.0, 0.0), |(sum, count), push| (sum + push, count + 1.0));
-            sum / count / Self::area(sides, axis)
+            let count = self.walls.numbers[axis].iter().flatten().count();
+            let sum: f64 = pushes.by_ref().take(count).sum();
+            sum / count as f64 / Self::area(sides, axis)
         });
         CellState {
             name: self.name.clone(),
@@ -134,7 +134,7 @@ impl Cell {
             shear_stress: None,
             shear_strain: None,
             solid_fraction: self.solid / sides.iter().product::<f64>(),
-            errors,
+            errors: [None; 3],
         }
     }
 }

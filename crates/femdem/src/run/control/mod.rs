@@ -22,7 +22,7 @@ use super::WallEntry;
 use crate::Error;
 use crate::error::wrong;
 pub(super) use cell::BoxWalls;
-use cell::{inwards, push};
+use cell::inwards;
 use periodic::ControlledCell;
 
 /// The controlled walls of a simulation.
@@ -65,15 +65,6 @@ impl Group {
             _ => 1.0,
         };
         self.goal.at(time) * area
-    }
-
-    /// Mean force with which the walls press \[N\].
-    fn push(&self, world: &World) -> f64 {
-        let each = self.walls.iter();
-        let sum: f64 = each
-            .map(|sliding| push(world, sliding.wall, &sliding.direction))
-            .sum();
-        sum / self.walls.len() as f64
     }
 
     /// The velocity for the next step, from what its walls meet.
@@ -119,17 +110,46 @@ impl Controls {
         !self.cells.is_empty() || self.periodic.is_some()
     }
 
-    /// The states of these cells, the periodic one last.
-    #[must_use]
-    pub fn cells(&self, world: &World) -> Vec<CellState> {
-        let boxes = (0..).zip(&self.cells).map(|(k, cell)| {
-            let errors = [0, 1, 2].map(|axis| self.stress_error(k, axis, world));
-            cell.state(world, errors)
-        });
-        let periodic = self.periodic.as_ref();
-        boxes
-            .chain(periodic.and_then(|cell| cell.state(world)))
-            .collect()
+    /// The names of these cells, the periodic one last.
+    pub(super) fn cell_names(&self) -> impl Iterator<Item = &str> {
+        let boxes = self.cells.iter().map(|cell| &*cell.name);
+        boxes.chain(self.periodic.as_ref().map(|_| periodic::NAME))
+    }
+
+    /// Their states, by what the bodies of all ranks do; [`Alone`] is the halo of a world that has all bodies.
+    ///
+    /// # Errors
+    ///
+    /// As [`World::resistances`].
+    pub fn cells(&self, world: &World, halo: &mut dyn Halo) -> Result<Vec<CellState>, SolveError> {
+        let mut states = Vec::new();
+        if !self.cells.is_empty() {
+            let of_cells = self.cells.iter().flat_map(Cell::inwards);
+            let of_groups = self.groups.iter().flat_map(|group| &group.walls);
+            let of_groups = of_groups.map(|sliding| (sliding.wall, sliding.direction));
+            let walls: Vec<_> = of_cells.chain(of_groups).collect();
+            let met = world.resistances(&walls, halo)?;
+            let mut pushes = met.iter().map(|met| met.force);
+            for cell in &self.cells {
+                let own = pushes.by_ref().take(cell.inwards().count());
+                states.push(cell.state(world, own));
+            }
+            let sides: Vec<_> = states.iter().map(|state| state.sides).collect();
+            for group in &self.groups {
+                let sum: f64 = pushes.by_ref().take(group.walls.len()).sum();
+                let wanted = group.wanted(&sides, world.time());
+                if let (Some((cell, axis)), Some(_)) = (group.cell, &group.servo)
+                    && wanted > 0.0
+                {
+                    let mean = sum / group.walls.len() as f64;
+                    states[cell].errors[axis] = Some(mean / wanted - 1.0);
+                }
+            }
+        }
+        if let Some(cell) = &self.periodic {
+            states.extend(cell.state(world, halo)?);
+        }
+        Ok(states)
     }
 
     /// Begins to control the `walls` of the world that an entry is, which stand where they are; `name` is that of the
@@ -249,21 +269,6 @@ impl Controls {
             group.moved += group.velocity * taken;
         }
         Ok(())
-    }
-
-    /// By how much the mean stress or force of the controlled walls of a cell across an axis misses the wanted one, over that;
-    /// `None` if none is wanted.
-    fn stress_error(&self, cell: usize, axis: usize, world: &World) -> Option<f64> {
-        let mut groups = self.groups.iter();
-        let group =
-            groups.find(|group| group.cell == Some((cell, axis)) && group.servo.is_some())?;
-        let sides: Vec<_> = self
-            .cells
-            .iter()
-            .map(|cell| cell.walls.sides(world))
-            .collect();
-        let wanted = group.wanted(&sides, world.time());
-        (wanted > 0.0).then(|| group.push(world) / wanted - 1.0)
     }
 }
 

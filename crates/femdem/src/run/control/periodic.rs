@@ -10,7 +10,7 @@ use crate::Error;
 use crate::error::wrong;
 
 /// Name of the periodic cell in the results.
-const NAME: &str = "cell";
+pub(super) const NAME: &str = "cell";
 
 /// A periodic cell, what it is to do, and what it was when that began.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,14 +100,17 @@ impl ControlledCell {
         world.deform_cell_on(gradient * edges, halo)
     }
 
-    /// Edges and stress.
-    fn now(world: &World) -> Option<(Matrix3, Matrix3)> {
-        Some((*world.cell()?.edges(), world.cell_stress()?))
-    }
-
-    /// The state now; `None` if the world has no such cell.
-    pub(super) fn state(&self, world: &World) -> Option<CellState> {
-        let (edges, stress) = Self::now(world)?;
+    /// The state now, by what the bodies of all ranks do; `None` if the world has no such cell.
+    pub(super) fn state(
+        &self,
+        world: &World,
+        halo: &mut dyn Halo,
+    ) -> Result<Option<CellState>, SolveError> {
+        let Some((cell, met)) = world.cell().zip(world.cell_resistance(halo)?) else {
+            return Ok(None);
+        };
+        let (edges, stress) = (cell.edges(), met.stress);
+        let solid = solid(world, halo)?;
         let sides: [f64; 3] = edges.diagonal().into();
         let errors = [0, 1, 2].map(|axis| {
             let goal = self.goals[axis]
@@ -118,24 +121,25 @@ impl ControlledCell {
         });
         let [x, y, z, lean] = self.start;
         let lengths = Vector3::new(x, y, z);
-        Some(CellState {
+        Ok(Some(CellState {
             name: NAME.to_owned(),
             sides,
             stress: stress.diagonal().into(),
             strain: [0, 1, 2].map(|axis| (lengths[axis] / sides[axis]).ln()),
             shear_stress: Some(-stress.m13),
             shear_strain: Some(edges.m13 / edges.m33 - lean / z),
-            solid_fraction: solid(world) / edges.diagonal().product(),
+            solid_fraction: solid / edges.diagonal().product(),
             errors,
-        })
+        }))
     }
 }
 
-/// Volume of the bodies, undeformed, with those that sources have brought \[m³\].
-fn solid(world: &World) -> f64 {
+/// Volume of the bodies of all ranks, undeformed, with those that sources have brought \[m³\].
+fn solid(world: &World, halo: &mut dyn Halo) -> Result<f64, SolveError> {
     let volume = |id| Some(world.shape(world.shape_of(id)?)?.volume);
-    let rigid: f64 = world.body_ids().filter_map(volume).sum();
+    let rigid = world.own_bodies(0).filter_map(volume);
     let soft = world.deformables();
-    let soft: f64 = soft.flat_map(|body| body.model().volumes()).sum();
-    rigid + soft
+    let soft = soft.flat_map(|body| body.model().volumes()).copied();
+    let sums = world.sums_on(vec![rigid.chain(soft).collect()], halo)?;
+    Ok(sums[0])
 }

@@ -107,10 +107,12 @@ impl Flow {
 impl Simulation {
     /// Whether there are, were or will be rigid bodies.
     pub(in crate::run) fn has_rigid(&self) -> bool {
-        // Deformable bodies stay.
-        self.has_adaptive()
-            || self.members.len() > self.world.deformable_count()
-            || !self.flow.supplies.is_empty()
+        self.has_adaptive() || self.has_rigid_beside(self.world.deformable_count())
+    }
+
+    /// The same beside so many deformable bodies, which stay.
+    pub(in crate::run) fn has_rigid_beside(&self, deformable: usize) -> bool {
+        self.members.len() > deformable || !self.flow.supplies.is_empty()
     }
 
     /// Takes away the walls whose time has come.

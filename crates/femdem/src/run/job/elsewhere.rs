@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use femdem_solve::World;
+use femdem_solve::{Alone, Ledger, World};
 
 use crate::Error;
+use crate::run::depths::Depths;
+use crate::run::measured::rounding_of_places;
 use crate::run::{Ending, Run};
 
 impl Run {
@@ -43,16 +45,34 @@ impl Run {
         folder: &Path,
     ) -> Result<(), Error> {
         self.simulation.world = world;
-        if self.simulation.world.steps() > 0 {
-            self.scenario.check_step(self.time_step())?;
-        }
         if self.simulation.world.time() >= self.scenario.duration {
             self.end_motion(Ending::Time);
         } else if may_rest && self.simulation.rest().at_rest {
             self.end_motion(Ending::Rest);
         }
-        self.watch.see_depths(&self.simulation);
-        self.close_books()?;
+        let simulation = &self.simulation;
+        let depths = simulation.depths(self.deepest().depth, self.has_warned(), &mut Alone)?;
+        let ledger = simulation.world.ledger();
+        self.check(&depths, &ledger, rounding_of_places(&simulation.world))?;
         self.write_due(folder)
+    }
+
+    /// Whether it has warned of a deep contact.
+    pub(super) fn has_warned(&self) -> bool {
+        !self.warnings().is_empty()
+    }
+
+    /// Records the depths of the contacts of all bodies, and checks the step and the ledger.
+    pub(super) fn check(
+        &mut self,
+        depths: &Depths,
+        ledger: &Ledger,
+        rounding: f64,
+    ) -> Result<(), Error> {
+        if self.simulation.world.steps() > 0 {
+            self.scenario.check_step(self.time_step())?;
+        }
+        self.watch.see(depths, &self.simulation);
+        self.close_books(ledger, rounding)
     }
 }

@@ -1,18 +1,20 @@
 //! Files of a run, written when they are due.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use femdem_mesh::Vector3;
+use femdem_solve::Alone;
 use femdem_view::ViewError;
 use femdem_view::output::{cracks, write_file, write_pvd_parts};
 use femdem_view::picture::PictureOptions;
 
+use super::shown::Shown;
 use super::tables::FRAMES;
-use crate::run::until::Rows;
+use crate::run::history::{MemberState, Table};
+use crate::run::measured::Measured;
+use crate::run::until::{Lines, Rows};
 use crate::run::{
-    ContactForces, ContactLine, Ending, MEMBER_COLUMNS, Run, RunSummary, Simulation,
-    WALL_HISTORY_COLUMNS, cells, history,
+    Ending, Member, Run, RunSummary, Scenario, UntilEntry, WALL_HISTORY_COLUMNS, cells, history,
 };
 use crate::{Error, Usage};
 
@@ -66,74 +68,94 @@ impl Run {
 
     /// Writes the row and the frame if they are due; at the end both are. A row may end the run.
     pub(super) fn write_due(&mut self, folder: &Path) -> Result<(), Error> {
-        // The last step may be many intervals long, if the run is shorter than a step.
-        let time = self.simulation.world.time().min(self.scenario.duration);
-        let row = due(time, self.scenario.history_interval(), self.next_row);
-        if row.is_some() || self.ending.is_some() {
-            self.next_row = row.unwrap_or(self.next_row);
-            self.write_row();
+        if self.is_row_due() {
+            let simulation = &self.simulation;
+            let seen = simulation.measure(&mut Alone)?;
+            let mut looked = Vec::new();
+            if self.scenario.sees_members() {
+                let (members, time) = (&simulation.members, simulation.world.time());
+                let table = &mut self.members;
+                let mut rows = MemberRows::new(&self.scenario, members, time, table, folder);
+                simulation.member_states(|member, state| rows.add(member, &state))?;
+                looked = rows.looked;
+            }
+            self.write_row(&seen, looked);
         }
-        let frame = due(time, self.scenario.frame_interval(), self.next_frame);
-        if frame.is_some() || self.ending.is_some() {
-            self.next_frame = frame.unwrap_or(self.next_frame);
+        self.write_frame_due(folder)
+    }
+
+    /// Writes the frame if it is due.
+    pub(super) fn write_frame_due(&mut self, folder: &Path) -> Result<(), Error> {
+        if self.is_frame_due() {
             self.write_frame(folder)?;
             self.flush(folder)?;
         }
         Ok(())
     }
 
-    fn write_row(&mut self) {
-        let contacts = self.simulation.contacts();
-        let forces = self.simulation.forces(&contacts);
+    /// The last step may be many intervals long, if the run is shorter than a step.
+    fn due_until(&self) -> f64 {
+        self.simulation.world.time().min(self.scenario.duration)
+    }
+
+    pub(super) fn is_row_due(&self) -> bool {
+        let row = due(
+            self.due_until(),
+            self.scenario.history_interval(),
+            self.next_row,
+        );
+        row.is_some() || self.ending.is_some()
+    }
+
+    pub(super) fn is_frame_due(&self) -> bool {
+        let frame = due(
+            self.due_until(),
+            self.scenario.frame_interval(),
+            self.next_frame,
+        );
+        frame.is_some() || self.ending.is_some()
+    }
+
+    /// Writes the row but for the members; `looked` are their rows at which limits look.
+    pub(super) fn write_row(&mut self, seen: &Measured, looked: Lines) {
+        let row = due(
+            self.due_until(),
+            self.scenario.history_interval(),
+            self.next_row,
+        );
+        self.next_row = row.unwrap_or(self.next_row);
         let time = self.simulation.world.time();
-        let reactions = self.simulation.reactions();
-        for (peak, force) in self.peaks.iter_mut().zip(&forces.walls) {
+        for (peak, force) in self.peaks.iter_mut().zip(&seen.walls) {
             peak.see(force, time);
         }
-        for (peak, force) in self.reaction_peaks.iter_mut().zip(&reactions) {
+        for (peak, force) in self.reaction_peaks.iter_mut().zip(&seen.reactions) {
             peak.see(force, time);
         }
-        let rows = self.rows(&contacts, &forces, &reactions);
+        let simulation = &mut self.simulation;
+        let flow = simulation.flow.rows(time);
+        let writes_walls = self.scenario.moves_walls();
+        let walls = match writes_walls || self.scenario.looks_at(&WALL_HISTORY_COLUMNS) {
+            true => cells::wall_rows(simulation, seen),
+            false => Vec::new(),
+        };
+        let rows = Rows {
+            history: history::history_row(&simulation.world, seen),
+            walls,
+            cells: cells::cell_rows(time, &seen.cells),
+            flow,
+            members: looked,
+        };
         self.see(&rows);
         self.history.row(rows.history);
-        let writes_walls = self.scenario.moves_walls();
         let lists = [
             (&mut self.walls, rows.walls, writes_walls),
             (&mut self.cells, rows.cells, true),
             (&mut self.flow, rows.flow, true),
-            (&mut self.members, rows.members, self.scenario.track),
         ];
         for (table, rows, writes) in lists {
             for row in rows.into_iter().filter(|_| writes) {
                 table.row(row);
             }
-        }
-    }
-
-    /// The rows of now in all tables that are written or looked at.
-    fn rows(
-        &mut self,
-        contacts: &[ContactLine],
-        forces: &ContactForces,
-        reactions: &[Vector3],
-    ) -> Rows {
-        let (scenario, simulation) = (&self.scenario, &mut self.simulation);
-        let time = simulation.world.time();
-        let flow = simulation.flow.rows(time);
-        let walls = scenario.moves_walls() || scenario.looks_at(&WALL_HISTORY_COLUMNS);
-        let members = scenario.track || scenario.looks_at(&MEMBER_COLUMNS);
-        let of = |wanted: bool, rows: fn(&Simulation, &ContactForces) -> Vec<Vec<String>>| {
-            match wanted {
-                true => rows(simulation, forces),
-                false => Vec::new(),
-            }
-        };
-        Rows {
-            history: history::history_row(simulation, contacts.len(), forces, reactions),
-            walls: of(walls, cells::wall_rows),
-            cells: cells::cell_rows(simulation),
-            flow,
-            members: of(members, history::member_rows),
         }
     }
 
@@ -151,6 +173,16 @@ impl Run {
     }
 
     fn write_frame(&mut self, folder: &Path) -> Result<(), Error> {
+        self.write_files_of_frame(folder, &self.simulation)?;
+        self.record_frame(folder, self.simulation.kinds())
+    }
+
+    /// Writes the files of a frame, with what is `shown` of rigid bodies, contacts and walls.
+    pub(super) fn write_files_of_frame(
+        &self,
+        folder: &Path,
+        shown: &dyn Shown,
+    ) -> Result<(), Error> {
         let frames = folder.join(FRAMES);
         fs::create_dir_all(&frames).map_err(|source| ViewError::Write {
             path: frames.clone(),
@@ -158,16 +190,17 @@ impl Run {
         })?;
         let number = self.frames.len();
         let simulation = &self.simulation;
-        if simulation.has_deformable() {
+        let [deformable, rigid] = shown.kinds();
+        if deformable {
             let path = frames.join(file_name(DEFORMABLE, number));
-            write_file(path, |w| simulation.write_deformables(w))?;
+            write_file(path, |w| shown.write_deformables(w))?;
         }
-        if simulation.has_rigid() {
+        if rigid {
             let path = frames.join(file_name(RIGID, number));
-            write_file(path, |w| simulation.write_rigid(w))?;
+            write_file(path, |w| shown.write_rigid(w))?;
         }
         let path = frames.join(file_name(CONTACTS, number));
-        write_file(path, |w| simulation.write_contacts(w))?;
+        write_file(path, |w| shown.write_contacts(w))?;
         if simulation.has_breakable() {
             let path = frames.join(file_name(CRACKS, number));
             write_file(path, |w| simulation.write_cracks(w))?;
@@ -187,9 +220,19 @@ impl Run {
         } else {
             folder.join(FIXED_WALLS)
         };
-        write_file(walls, |w| simulation.write_wall_surfaces(&self.scenario, w))?;
-        self.frames.push(simulation.world.time());
-        self.write_lists(folder)
+        Ok(write_file(walls, |w| shown.write_walls(&self.scenario, w))?)
+    }
+
+    /// Notes that a frame of now is there, with deformable bodies or rigid ones.
+    pub(super) fn record_frame(&mut self, folder: &Path, kinds: [bool; 2]) -> Result<(), Error> {
+        let frame = due(
+            self.due_until(),
+            self.scenario.frame_interval(),
+            self.next_frame,
+        );
+        self.next_frame = frame.unwrap_or(self.next_frame);
+        self.frames.push(self.simulation.world.time());
+        self.write_lists(folder, kinds)
     }
 
     /// Whether walls move or open.
@@ -225,11 +268,8 @@ impl Run {
     }
 
     /// `run.pvd`, `contacts.pvd`, `walls.pvd` and, where bodies may break or are bonded, `cracks.pvd` and `bonds.pvd`.
-    fn write_lists(&self, folder: &Path) -> Result<(), Error> {
-        let kinds = [
-            (self.simulation.has_deformable(), DEFORMABLE),
-            (self.simulation.has_rigid(), RIGID),
-        ];
+    fn write_lists(&self, folder: &Path, [deformable, rigid]: [bool; 2]) -> Result<(), Error> {
+        let kinds = [(deformable, DEFORMABLE), (rigid, RIGID)];
         let given = || kinds.iter().filter(|(given, _)| *given);
         let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
         let (mut cracks, mut bonds, mut walls) = (Vec::new(), Vec::new(), Vec::new());
@@ -259,6 +299,50 @@ impl Run {
         }
         write_pvd_parts(folder.join("run.pvd"), &bodies)?;
         Ok(write_pvd_parts(folder.join("contacts.pvd"), &contacts)?)
+    }
+}
+
+/// The rows of `members.csv` of a time, in the order of the members.
+pub(super) struct MemberRows<'a> {
+    time: f64,
+    members: &'a [Member],
+    limits: &'a [UntilEntry],
+    /// Where they are written, if they are.
+    table: Option<(&'a mut Table, PathBuf)>,
+    /// Those at which limits look.
+    pub looked: Lines,
+}
+
+impl<'a> MemberRows<'a> {
+    pub fn new(
+        scenario: &'a Scenario,
+        members: &'a [Member],
+        time: f64,
+        table: &'a mut Table,
+        folder: &Path,
+    ) -> Self {
+        let path = folder.join("members.csv");
+        Self {
+            time,
+            members,
+            limits: &scenario.until,
+            table: scenario.track.then_some((table, path)),
+            looked: Vec::new(),
+        }
+    }
+
+    /// Adds the row of a member.
+    pub fn add(&mut self, member: usize, state: &MemberState) -> Result<(), Error> {
+        let name = &self.members[member].name;
+        let row = state.row(self.time, name);
+        let mut limits = self.limits.iter();
+        if limits.any(|limit| limit.of.as_ref() == Some(name)) {
+            self.looked.push(row.clone());
+        }
+        match &mut self.table {
+            Some((table, path)) => table.row_of_many(row, path),
+            None => Ok(()),
+        }
     }
 }
 

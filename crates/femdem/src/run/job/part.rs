@@ -5,6 +5,7 @@ use std::path::Path;
 use femdem_solve::{Halo, SolveError, World, checkpoint};
 use serde::{Deserialize, Serialize};
 
+use super::fixtures::Fixtures;
 use crate::run::flow::SharedFlow;
 use crate::run::gather::or_error_of_another;
 use crate::run::load::LoadedMembers;
@@ -16,16 +17,21 @@ use crate::{Error, Usage};
 
 /// What a rank needs to step its part of a run: the first one has the [`Run`] besides, which writes the files.
 pub struct Part {
-    world: World,
-    scenario: Scenario,
-    controls: Controls,
+    pub(super) world: World,
+    pub(super) scenario: Scenario,
+    pub(super) controls: Controls,
     loads: LoadedMembers,
     flow: SharedFlow,
+    pub(super) fixtures: Fixtures,
     stillness: Stillness,
     /// Whether the bodies have been still for so long that their forces are looked at.
-    may_rest: bool,
+    pub(super) may_rest: bool,
     /// Steps of the relaxation, by the first rank, once the motion has ended.
-    relaxed: Option<u64>,
+    pub(super) relaxed: Option<u64>,
+    /// Number of the deformable bodies of the whole, which stay unless bodies may break.
+    pub(super) deformable: usize,
+    /// Whether a frame shows nothing but bodies that do not break, their contacts and walls.
+    pub(super) has_plain_frames: bool,
     /// Number of the last checkpoint.
     checkpoint: u64,
 }
@@ -37,6 +43,7 @@ struct Shared {
     controls: Controls,
     loads: LoadedMembers,
     flow: SharedFlow,
+    fixtures: Fixtures,
     stillness: Stillness,
     relaxed: Option<u64>,
     files: PartFiles,
@@ -56,6 +63,7 @@ impl Run {
             controls: simulation.controls.clone(),
             loads: LoadedMembers::of(&simulation.loads, &simulation.members, may_break),
             flow: SharedFlow::of(simulation, may_break),
+            fixtures: Fixtures::of(simulation),
             stillness: self.stillness,
             relaxed: self.steps_relaxed(),
             files,
@@ -63,7 +71,7 @@ impl Run {
         })
     }
 
-    fn steps_relaxed(&self) -> Option<u64> {
+    pub(super) fn steps_relaxed(&self) -> Option<u64> {
         self.relaxation().map(|so_far| so_far.steps)
     }
 }
@@ -152,12 +160,21 @@ impl Part {
             }
             false => World::share_from_first(given, halo)?,
         };
+        let scenario = Scenario::from_toml(&shared.scenario)?;
+        let own = [world.deformables().count(), world.bonds_added()];
+        let mut counts = own.map(|count| count as u64);
+        halo.sum(&mut counts)?;
+        let [deformable, bonds] = counts;
+        let shows_more = scenario.tables || scenario.pictures || world.may_break();
         Ok(Self {
+            deformable: deformable as usize,
+            has_plain_frames: bonds == 0 && !shows_more,
             world,
-            scenario: Scenario::from_toml(&shared.scenario)?,
+            scenario,
             controls: shared.controls,
             loads: shared.loads,
             flow: shared.flow,
+            fixtures: shared.fixtures,
             stillness: shared.stillness,
             may_rest: false,
             relaxed: shared.relaxed,
@@ -258,62 +275,24 @@ impl Part {
         let files = RUN.write_parts(folder, self.checkpoint, &self.world, halo)?;
         let written = run.map(|run| {
             self.tell(run);
-            std::mem::swap(&mut self.world, &mut run.simulation.world);
-            let written = RUN.write(folder, &*run, usage, &files);
-            std::mem::swap(&mut self.world, &mut run.simulation.world);
-            written
+            self.lend(run, |run| RUN.write(folder, &*run, usage, &files))
         });
         RUN.end::<Run>(folder, &mut self.checkpoint, &files, written, halo)
     }
 
+    /// Does something with the run that has the world of the first rank meanwhile.
+    pub(super) fn lend<T>(&mut self, run: &mut Run, what: impl FnOnce(&mut Run) -> T) -> T {
+        std::mem::swap(&mut self.world, &mut run.simulation.world);
+        let done = what(run);
+        std::mem::swap(&mut self.world, &mut run.simulation.world);
+        done
+    }
+
     /// Tells the run what has become of it but for its world.
-    fn tell(&self, run: &mut Run) {
+    pub(super) fn tell(&self, run: &mut Run) {
         run.simulation.controls = self.controls.clone();
         self.flow.give_back(&mut run.simulation);
         self.loads.give_back(&mut run.simulation.loads);
         run.stillness = self.stillness;
-    }
-
-    /// Shows all bodies to the run, on the first rank, which writes into `folder` what is due, or relaxes them for a part of the
-    /// steps of a relaxation. Returns whether the run has ended.
-    ///
-    /// # Errors
-    ///
-    /// As [`Run::advance`] but for those of the step, and those of [`World::gather`].
-    pub fn go_on(
-        &mut self,
-        mut run: Option<&mut Run>,
-        folder: &Path,
-        halo: &mut dyn Halo,
-    ) -> Result<bool, Error> {
-        if self.is_relaxing() {
-            if let Some(run) = run.as_deref_mut() {
-                run.advance(folder, 1)?;
-            }
-        } else {
-            let whole = self.world.gather(halo)?;
-            if let Some((run, whole)) = run.as_deref_mut().zip(whole) {
-                self.tell(run);
-                run.go_on_with(whole, self.may_rest, folder)?;
-                let goes_on = run.ending.is_none() && run.relaxing.is_none();
-                if goes_on {
-                    let world = &mut run.simulation.world;
-                    *world = World::new(*world.parameters())?;
-                }
-            }
-        }
-        let mut now = [0; 3];
-        if let Some(run) = run {
-            let relaxed = run.steps_relaxed();
-            now = [
-                u64::from(run.ending.is_some()),
-                u64::from(relaxed.is_some()),
-                relaxed.unwrap_or(0),
-            ];
-        }
-        halo.sum(&mut now)?;
-        let [ended, relaxes, relaxed] = now;
-        self.relaxed = (relaxes > 0).then_some(relaxed);
-        Ok(ended > 0)
     }
 }
