@@ -63,8 +63,8 @@ pub(crate) struct GridMesh<'a> {
     is_quadratic: bool,
     /// Where the nodes are without displacements.
     nodes: Cow<'a, [Vector3]>,
-    /// The nodes of each element, whose order is VTK's.
-    elements: Vec<Vec<u32>>,
+    /// The nodes of the elements, one after another, whose order is VTK's.
+    elements: Vec<u32>,
     regions: Cow<'a, [u32]>,
 }
 
@@ -73,9 +73,18 @@ impl<'a> GridMesh<'a> {
         Self {
             is_quadratic: model.element().is_quadratic(),
             nodes: model.nodes().into(),
-            elements: model.elements().map(<[u32]>::to_vec).collect(),
+            elements: model.elements().flatten().copied().collect(),
             regions: model.region_of_tet().into(),
         }
+    }
+
+    /// Number of nodes of an element.
+    fn nodes_of_element(&self) -> usize {
+        if self.is_quadratic { 10 } else { 4 }
+    }
+
+    fn element_count(&self) -> usize {
+        self.elements.len() / self.nodes_of_element()
     }
 }
 
@@ -98,7 +107,7 @@ pub(crate) fn write_grid<'a>(
     bodies(&mut |b| {
         count.points += b.positions.len();
         count.cells += b.stresses.len();
-        count.corners += b.mesh.elements.iter().map(Vec::len).sum::<usize>();
+        count.corners += b.mesh.elements.len();
         count.still |= b.velocities.is_none();
         count.plastic |= b.plastic_strains.is_some();
         Ok(())
@@ -115,7 +124,7 @@ pub(crate) fn write_grid<'a>(
     out.given_integers("connectivity", count.corners, move |take| {
         let mut first = 0;
         bodies(&mut |b| {
-            let nodes = b.mesh.elements.iter().flatten();
+            let nodes = b.mesh.elements.iter();
             let (start, count) = (first, b.mesh.nodes.len() as i64);
             first += count;
             nodes
@@ -126,9 +135,9 @@ pub(crate) fn write_grid<'a>(
     out.given_integers("offsets", cells, move |take| {
         let mut end = 0;
         bodies(&mut |b| {
-            b.mesh.elements.iter().try_for_each(|nodes| {
-                end += nodes.len() as i64;
-                take(end)
+            (0..b.mesh.element_count()).try_for_each(|_| {
+                end += b.mesh.nodes_of_element();
+                take(end as i64)
             })
         })
     });
@@ -138,7 +147,7 @@ pub(crate) fn write_grid<'a>(
                 true => VTK_QUADRATIC_TETRA,
                 false => VTK_TETRA,
             };
-            b.mesh.elements.iter().try_for_each(|_| take(kind))
+            (0..b.mesh.element_count()).try_for_each(|_| take(kind))
         })
     });
     out.line("</Cells>\n<PointData Vectors=\"displacement\">");

@@ -205,7 +205,9 @@ fn energies_over_ranks_are_those_alone() {
         let mut run = Run::new(Scenario::from_toml(&text).unwrap()).unwrap();
         run.advance(one, u64::MAX).unwrap();
         stopped(&text, three, u64::MAX, 3);
-        let rows = history(one).into_iter().zip(history(three));
+        let [rows, others] = [one, three].map(history);
+        assert_eq!(rows.len(), others.len());
+        let rows = rows.into_iter().zip(others);
         let mut moving = 0;
         for ([_, own], [_, other]) in rows.skip(1) {
             let values =

@@ -128,7 +128,9 @@ impl Simulation {
         match side {
             Side::Member(member) => {
                 let id = self.members[member].id;
-                Partner::Body(self.world.number_in_whole(id).unwrap_or(id))
+                let number = self.world.number_in_whole(id);
+                debug_assert!(number.is_some(), "contacts are of bodies of the world");
+                Partner::Body(number.unwrap_or(id))
             }
             Side::Wall(wall) => Partner::Wall(wall as u32),
         }

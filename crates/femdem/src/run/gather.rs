@@ -34,7 +34,8 @@ pub(crate) fn of_all<T: Serialize + DeserializeOwned>(
 const SLICE: usize = 1 << 14;
 
 /// Tells the first rank of bodies, which it names by their numbers in the whole: what the rank says `of` each that it owns. The
-/// first one `take`s that in the order of its list, with the place in it, and has no more of it at a time than of a slice.
+/// first one `take`s that in the order of its list, with the place in it, and has no more of it at a time than of a slice. If that
+/// fails, the others are asked on, and all have the error.
 pub(in crate::run) fn by_slices<T: Serialize + DeserializeOwned>(
     numbers: &[BodyId],
     halo: &mut dyn Halo,
@@ -43,6 +44,7 @@ pub(in crate::run) fn by_slices<T: Serialize + DeserializeOwned>(
 ) -> Result<(), Error> {
     let mut slices = numbers.chunks(SLICE);
     let mut first = 0;
+    let mut taken = Ok(());
     loop {
         let slice = slices.next().unwrap_or_default();
         let mut messages = Vec::new();
@@ -55,7 +57,7 @@ pub(in crate::run) fn by_slices<T: Serialize + DeserializeOwned>(
             None => Vec::new(),
         };
         if asked.is_empty() {
-            return Ok(());
+            return or_error_of_another(taken, halo);
         }
         let own = (0_u32..).zip(asked);
         let own: Vec<(u32, T)> = own.filter_map(|(at, body)| Some((at, of(body)?))).collect();
@@ -66,7 +68,9 @@ pub(in crate::run) fn by_slices<T: Serialize + DeserializeOwned>(
         }
         all.sort_by_key(|(at, _)| *at);
         for (at, item) in all {
-            take(first + at as usize, item)?;
+            if taken.is_ok() {
+                taken = take(first + at as usize, item);
+            }
         }
         first += slice.len();
     }

@@ -10,12 +10,14 @@ use super::part::Part;
 use super::shown::{OfRanks, Own, Shown};
 use crate::Error;
 use crate::run::gather::or_error_of_another;
+use crate::run::until::Lines;
 use crate::run::{Run, Simulation};
 
 impl Part {
     /// Shows the bodies to the run, on the first rank, which writes into `folder` what is due, or relaxes all of them for a part
     /// of the steps of a relaxation. Returns whether the run has ended. The first rank has all bodies for it only when the motion
-    /// may end, for frames with bonds, bodies that may break, tables or pictures, and for rows of supports of bodies that may break.
+    /// may end, which is at each look once they have been still for long enough, for frames with bonds, bodies that may break, tables
+    /// or pictures, and for rows of supports of bodies that may break.
     ///
     /// # Errors
     ///
@@ -110,46 +112,35 @@ impl Part {
         }
         halo.least(&mut before)?;
         let [most, warned] = before;
-        let none = World::new(*self.world.parameters())?;
-        let world = std::mem::replace(&mut self.world, none);
-        let own = self.fixtures.simulation(world, &self.controls);
-        let seen = own.measure(halo)?;
-        let depths = own.depths(most, warned > 0.0, halo)?;
+        let (seen, depths) = self.with_own(|own| {
+            let seen = own.measure(halo)?;
+            Ok((seen, own.depths(most, warned > 0.0, halo)?))
+        })?;
+        let checked = run
+            .as_deref_mut()
+            .map(|run| self.lend(run, |run| run.check(&depths, &seen.ledger, seen.rounding)));
+        or_error_of_another(checked.unwrap_or(Ok(())), halo)?;
         let mut looked = Vec::new();
         if row && self.scenario.sees_members() {
-            let mut numbers = Vec::new();
-            let mut rows = None;
-            if let Some(run) = run.as_deref_mut() {
-                let members = &run.simulation.members;
-                numbers.extend(members.iter().map(|member| member.id));
-                let time = own.world.time();
-                let table = &mut run.members;
-                rows = Some(MemberRows::new(&run.scenario, members, time, table, folder));
-            }
-            own.member_states_on(&numbers, halo, |member, state| {
-                let rows = rows.as_mut();
-                rows.map_or(Ok(()), |rows| rows.add(member, &state))
-            })?;
-            looked.extend(rows.into_iter().flat_map(|rows| rows.looked));
+            let run = run.as_deref_mut();
+            looked = self.with_own(|own| member_rows(own, run, folder, halo))?;
         }
-        let shown = match frame {
-            true => Some((Own::of(&own), extent_of_all(&own, halo)?)),
-            false => None,
-        };
-        self.world = own.world;
         let mut ended = [0];
         if let Some(run) = run.as_deref_mut() {
             let over = self.lend(run, |run| {
-                run.check(&depths, &seen.ledger, seen.rounding)?;
                 if row {
                     run.write_row(&seen, looked);
                 }
-                Ok::<_, Error>(run.ending.is_some() || run.relaxing.is_some())
+                run.ending.is_some() || run.relaxing.is_some()
             });
-            ended = [u64::from(over?)];
+            ended = [u64::from(over)];
         }
         halo.sum(&mut ended)?;
-        if let Some((own, extent)) = shown.filter(|_| ended == [0]) {
+        if frame && ended == [0] {
+            let (own, extent) = self.with_own(|own| {
+                let extent = extent_of_all(own, halo)?;
+                Ok((Own::of(own), extent))
+            })?;
             let own = or_error_of_another(own, halo)?;
             let deformable = self.deformable;
             let written = match run {
@@ -169,6 +160,41 @@ impl Part {
         }
         Ok(ended[0] > 0)
     }
+
+    /// Does something with the bodies of this rank as those of a run.
+    fn with_own<T>(
+        &mut self,
+        what: impl FnOnce(&Simulation) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let none = World::new(*self.world.parameters())?;
+        let world = std::mem::replace(&mut self.world, none);
+        let own = self.fixtures.simulation(world, &self.controls);
+        let done = what(&own);
+        self.world = own.world;
+        done
+    }
+}
+
+/// Writes the rows of the members of all ranks, if there is such a table, and returns those at which limits look.
+fn member_rows(
+    own: &Simulation,
+    run: Option<&mut Run>,
+    folder: &Path,
+    halo: &mut dyn Halo,
+) -> Result<Lines, Error> {
+    let mut numbers = Vec::new();
+    let mut rows = None;
+    if let Some(run) = run {
+        let members = &run.simulation.members;
+        numbers.extend(members.iter().map(|member| member.id));
+        let (time, table) = (own.world.time(), &mut run.members);
+        rows = Some(MemberRows::new(&run.scenario, members, time, table, folder));
+    }
+    own.member_states_on(&numbers, halo, |member, state| {
+        let rows = rows.as_mut();
+        rows.map_or(Ok(()), |rows| rows.add(member, &state))
+    })?;
+    Ok(rows.map_or_else(Vec::new, |rows| rows.looked))
 }
 
 /// The box around the bodies of all ranks, as [`Simulation::extent_of_bodies`].

@@ -17,7 +17,7 @@ use crate::{Body, Error};
 /// Bodies, or contacts by the body A, or by B of those with walls, of which the first rank gets to know at a time.
 const SLICE: usize = 1 << 13;
 
-/// Tetrahedra of deformable bodies of which it gets to know at a time, or those of one body.
+/// Tetrahedra of deformable bodies of which it gets to know at a time at most, or those of one body.
 const TETRAHEDRA: usize = 1 << 14;
 
 /// Bodies, contacts and walls that a frame shows.
@@ -75,6 +75,8 @@ type Shape = (u32, Pose, bool);
 enum Question {
     /// The rigid bodies of these numbers.
     Bodies(Vec<BodyId>),
+    /// How many tetrahedra the deformable bodies of these numbers have.
+    Tetrahedra(Vec<BodyId>),
     /// The deformable bodies of these numbers.
     Grids(Vec<BodyId>),
     /// The contacts from a pair up to another.
@@ -102,7 +104,9 @@ impl Own {
         });
         let of_member = |member: usize| {
             let id = simulation.members[member].id;
-            number(id).unwrap_or(id) as usize
+            let number = number(id);
+            debug_assert!(number.is_some(), "contacts are of bodies of the world");
+            number.unwrap_or(id) as usize
         };
         let contacts = simulation.own_contacts().into_iter().map(|contact| {
             let a = match contact.a {
@@ -168,6 +172,12 @@ impl Own {
             Question::Bodies(numbers) => {
                 checkpoint::encode(&Self::of_numbers(&self.bodies, numbers))?
             }
+            Question::Tetrahedra(numbers) => {
+                let grids = Self::of_numbers(&self.grids, numbers).into_iter();
+                let counts: Vec<(u32, usize)> =
+                    grids.map(|(at, grid)| (at, grid.stresses.len())).collect();
+                checkpoint::encode(&counts)?
+            }
             Question::Grids(numbers) => {
                 checkpoint::encode(&Self::of_numbers(&self.grids, numbers))?
             }
@@ -193,6 +203,7 @@ pub(super) struct OfRanks<'a> {
     /// Forces on the walls \[N\].
     forces: &'a [Vector3],
     slice: usize,
+    tetrahedra: usize,
 }
 
 impl<'a> OfRanks<'a> {
@@ -207,7 +218,7 @@ impl<'a> OfRanks<'a> {
         let there = (0_u32..).zip(&simulation.members);
         let there = there.filter(|(_, member)| member.id != Member::GONE);
         let last = there.clone().map(|(_, member)| member.id).max();
-        let mut members = vec![0; last.map_or(0, |last| last as usize + 1)];
+        let mut members = vec![u32::MAX; last.map_or(0, |last| last as usize + 1)];
         for (at, member) in there {
             members[member.id as usize] = at;
         }
@@ -220,6 +231,7 @@ impl<'a> OfRanks<'a> {
             extent,
             forces,
             slice: SLICE,
+            tetrahedra: TETRAHEDRA,
         }
     }
 
@@ -270,27 +282,40 @@ impl<'a> OfRanks<'a> {
     /// Passes on the deformable bodies in the order of the members, with their numbers among these.
     fn pass_grids(&self, take: &mut dyn FnMut(&GridBody<'_>) -> io::Result<()>) -> io::Result<()> {
         let members = &self.simulation.members;
-        let (mut first, mut size) = (0, 1);
-        while first < members.len() {
-            let slice = members[first..].iter().take(size);
-            let numbers = slice.map(|member| member.id).collect();
+        for slice in self.slices_of_grids()? {
+            let numbers = slice.iter().map(|member| members[*member].id).collect();
             let mut bodies: Vec<(u32, GridBody<'static>)> = self.ask(&Question::Grids(numbers))?;
             bodies.sort_by_key(|(at, _)| *at);
-            let mut tetrahedra = 0;
             for (at, mut body) in bodies {
-                body.number = first + at as usize;
+                body.number = slice[at as usize];
                 body.placed = members[body.number].placed;
-                tetrahedra += body.stresses.len();
                 take(&body)?;
             }
-            first += size;
-            size = match tetrahedra {
-                few if 2 * few < TETRAHEDRA => SLICE.min(2 * size),
-                many if many > TETRAHEDRA => size.div_ceil(2),
-                _ => size,
-            };
         }
         Ok(())
+    }
+
+    /// The members that are deformable bodies, in slices of a limited number of tetrahedra or of one body.
+    fn slices_of_grids(&self) -> io::Result<Vec<Vec<usize>>> {
+        let members = &self.simulation.members;
+        let mut slices: Vec<Vec<usize>> = Vec::new();
+        let mut room = 0;
+        for (slice, first) in members.chunks(self.slice).zip((0..).step_by(self.slice)) {
+            let numbers = slice.iter().map(|member| member.id).collect();
+            let mut counts: Vec<(u32, usize)> = self.ask(&Question::Tetrahedra(numbers))?;
+            counts.sort_by_key(|(at, _)| *at);
+            for (at, count) in counts {
+                if count > room || slices.is_empty() {
+                    slices.push(Vec::new());
+                    room = self.tetrahedra;
+                }
+                room = room.saturating_sub(count);
+                if let Some(last) = slices.last_mut() {
+                    last.push(first + at as usize);
+                }
+            }
+        }
+        Ok(slices)
     }
 
     /// Passes on the contacts in their order: by A and then B, those with walls last.
@@ -368,14 +393,27 @@ mod tests {
         diameter = 0.05
         material = \"stone\"
         position = [0.027, 0.027, 0.026]
-        copies = { count = [3, 2, 2], spacing = [0.05, 0.05, 0.047], seed = 1 }";
+        copies = { count = [3, 2, 2], spacing = [0.05, 0.05, 0.047], seed = 1 }
+        [material.rubber]
+        density = 1200
+        law = \"neo-hookean\"
+        young = 1e6
+        poisson = 0.3
+        [[body]]
+        name = \"rubber\"
+        block = [1, 1, 1]
+        sides = [0.03, 0.03, 0.03]
+        material = \"rubber\"
+        behaviour = \"deformable\"
+        position = [0.03, 0.055, 0.14]
+        copies = { count = [3, 1, 1], spacing = [0.05, 0.1, 0.1] }";
 
-    /// Slices of two bodies, and of their contacts with each other and with the walls.
+    /// Slices of two bodies, of those of fewer than two blocks, and of contacts with each other and with the walls.
     #[test]
     fn a_frame_in_slices_is_that_of_all() {
         let folder = tempfile::tempdir().unwrap();
         let mut run = Run::new(Scenario::from_toml(STONES).unwrap()).unwrap();
-        run.advance(folder.path(), 300).unwrap();
+        run.advance(folder.path(), 900).unwrap();
         let simulation = run.simulation();
         let contacts = simulation.contacts();
         let with_walls = contacts
@@ -389,11 +427,17 @@ mod tests {
         let (extent, forces) = (simulation.extent_of_bodies(), simulation.forces(&contacts));
         let mut halo = Alone;
         let own = Own::of(simulation).unwrap();
-        let mut frame = OfRanks::new(own, simulation, 0, extent, &forces.walls, &mut halo);
+        let mut frame = OfRanks::new(own, simulation, 3, extent, &forces.walls, &mut halo);
         frame.slice = 2;
+        let blocks = simulation
+            .deformables()
+            .map(|(_, _, body)| body.model().volumes().len());
+        frame.tetrahedra = 2 * blocks.max().unwrap() - 1;
+        assert_eq!(frame.slices_of_grids().unwrap().len(), 3);
         let written = |shown: &dyn Shown| {
-            let mut files = [const { Vec::new() }; 3];
+            let mut files = [const { Vec::new() }; 4];
             shown.write_rigid(&mut files[0]).unwrap();
+            shown.write_deformables(&mut files[3]).unwrap();
             shown.write_contacts(&mut files[1]).unwrap();
             shown.write_walls(run.scenario(), &mut files[2]).unwrap();
             files
