@@ -116,9 +116,10 @@ fn on_ranks(world: &World, size: usize, steps: u32) -> (World, usize, f64) {
     (whole.unwrap(), moved, traffic)
 }
 
-/// The whole that so many ranks make of a world has the motion and the books of one `alone` after the same steps; bodies have changed
-/// their rank on the way, and messages hold hardly more than the guests that move.
-pub fn as_alone(alone: &World, world: &World, size: usize, steps: u32) -> World {
+/// The whole that so many ranks make of a world has the motion and the books of one `alone` after the same steps, and messages hold
+/// hardly more than the guests that move. Also returns how many bodies have changed their rank on the way, which depends on the time
+/// that they took, by which space is cut.
+pub fn as_alone(alone: &World, world: &World, size: usize, steps: u32) -> (World, usize) {
     let (whole, moved, traffic) = on_ranks(world, size, steps);
     let [found, expected] = [&whole, alone].map(|world| world.checksum_of_motion().unwrap());
     assert_eq!(found, expected, "{size} ranks");
@@ -127,9 +128,8 @@ pub fn as_alone(alone: &World, world: &World, size: usize, steps: u32) -> World 
     assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
     let missing = (books[0].error() - books[1].error()).abs();
     assert!(missing < 1e-9 * books[0].exchanged, "{missing:e}");
-    assert!(size == 1 || moved > 0, "{moved}");
     assert!(traffic <= 1.06, "{traffic}");
-    whole
+    (whole, moved)
 }
 
 #[test]
@@ -148,9 +148,11 @@ fn any_number_of_ranks_gives_the_same_bits() {
         assert_eq!(awake < COUNT, sleeping, "{awake} are awake");
         assert_eq!(woke > 0, sleeping, "bodies woke in {woke} steps");
         let sizes: &[usize] = if sleeping { &[1, 2, 3, 4] } else { &[2, 4] };
-        for &size in sizes {
-            as_alone(&alone, &world, size, steps);
-        }
+        let moved: Vec<usize> = sizes
+            .iter()
+            .map(|&size| as_alone(&alone, &world, size, steps).1)
+            .collect();
+        assert!(moved.iter().any(|moved| *moved > 0), "{moved:?}");
     }
 }
 

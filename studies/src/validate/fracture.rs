@@ -388,7 +388,7 @@ mod tests {
             "released",
             "1",
         );
-        let of_beams = |text: &str| checks(&Output::parse(text)).remove(5);
+        let of_beams = |text: &str| checks(&Output::parse(text)).remove(6);
         assert!(!of_beams(&text).met);
         let rough = |value| {
             row(

@@ -171,10 +171,19 @@ pub(super) struct Glue {
 /// Where on its law glue is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Stage {
-    /// On the elastic branch, until its traction is at these limits.
-    Rises(GlueLimits),
+    /// On the elastic branch.
+    Rises(Rise),
     /// It has given way.
     Falls(Fall),
+}
+
+/// The elastic branch.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Rise {
+    /// Where it ends.
+    limits: GlueLimits,
+    /// λ at the last step, m.
+    last: f64,
 }
 
 /// How glue gives way.
@@ -208,7 +217,10 @@ impl Glue {
     pub fn born(law: &GlueLaw, traction: [f64; 3], gap: f64, limits: &GlueLimits) -> Option<Self> {
         let mut glue = Self {
             traction,
-            stage: Stage::Rises(*limits),
+            stage: Stage::Rises(Rise {
+                limits: *limits,
+                last: square(&traction).sqrt() / law.stiffness,
+            }),
         };
         if gap > 0.0 {
             glue.traction[0] = -law.stiffness * gap;
@@ -290,7 +302,9 @@ impl Glue {
     /// Whether its numbers are finite and possible.
     pub fn is_sound(&self, law: &GlueLaw) -> bool {
         let stage = match &self.stage {
-            Stage::Rises(limits) => limits.check().is_ok(),
+            Stage::Rises(rise) => {
+                rise.limits.check().is_ok() && rise.last >= 0.0 && rise.last.is_finite()
+            }
             Stage::Falls(fall) => fall.is_sound(law),
         };
         stage && self.traction.iter().all(|x| x.is_finite())
@@ -298,15 +312,25 @@ impl Glue {
 
     /// Keeps the opening of its spring (m) at which it is now under a pressure (Pa), and returns what that dissipates, J/m².
     pub fn reach(&mut self, law: &GlueLaw, stretch: &[f64; 3], pressure: f64) -> f64 {
-        if let Stage::Rises(limits) = &self.stage {
+        let lambda = square(stretch).sqrt();
+        let mut lost = 0.0;
+        if let Stage::Rises(Rise { limits, last }) = self.stage {
             let elastic = stretch.map(|x| law.stiffness * x);
-            if let Some(now) = Self::onset(law, limits, &elastic, pressure) {
-                self.stage = Stage::Falls(self.fall(law, limits, now.peak, now.sliding));
-            }
+            self.stage = match Self::onset(law, &limits, &elastic, pressure) {
+                Some(now) => {
+                    let fall = self.fall(law, &limits, now.peak, now.sliding);
+                    lost = fall.sunk(law, last.min(lambda));
+                    Stage::Falls(fall)
+                }
+                None => Stage::Rises(Rise {
+                    limits,
+                    last: lambda,
+                }),
+            };
         }
         match &mut self.stage {
             Stage::Rises(_) => 0.0,
-            Stage::Falls(fall) => fall.reach(law, square(stretch).sqrt()),
+            Stage::Falls(fall) => lost + fall.reach(law, lambda),
         }
     }
 }
@@ -335,6 +359,20 @@ impl Fall {
         0.5 * self.peak * self.peak / law.stiffness
             + self.energy * law.softening.area(self.beyond(law))
             - 0.5 * self.strength(law) * self.largest
+    }
+
+    /// What a spring on the elastic branch loses that was stretched to λ before the peak sank below it with the mode, J/m²:
+    /// ∫ (k λ' − t) dλ' from the peak to λ.
+    fn sunk(&self, law: &GlueLaw, lambda: f64) -> f64 {
+        if lambda <= self.largest {
+            return 0.0;
+        }
+        let there = Self {
+            largest: lambda,
+            ..*self
+        };
+        let softened = there.dissipated(law) + 0.5 * there.strength(law) * lambda;
+        0.5 * law.stiffness * lambda * lambda - softened
     }
 
     /// Keeps the largest λ, and returns what that dissipates, J/m².
