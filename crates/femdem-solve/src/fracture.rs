@@ -23,8 +23,8 @@ pub enum Fragments {
 /// [`DeformableSpec`](crate::DeformableSpec) has one may break.
 ///
 /// Where a node's mean stress, or at the front of a crack its force, exceeds the strength, the node is split along a plane
-/// through it (femdem-fem's [`fracture`](femdem_fem::fracture)); facets along that plane are held together by [`glue`](femdem_contact::glue) until they
-/// have taken their energy. None of these numbers is to be fitted to a specimen.
+/// through it (femdem-fem's [`fracture`](femdem_fem::fracture)); facets along that plane are held together by
+/// [`glue`](femdem_contact::glue) until they have taken their energy. None of these numbers is to be fitted to a specimen.
 ///
 /// ```
 /// use femdem_fem::fracture::Strength;

@@ -67,6 +67,7 @@
 
 pub mod analysis;
 mod error;
+mod gather;
 mod grid;
 mod means;
 mod meshing;

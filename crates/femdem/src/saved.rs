@@ -8,7 +8,7 @@ use femdem_solve::{Halo, SolveError, World};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::run::gather::{of_all, or_error_of_another};
+use crate::gather::{of_all, or_error_of_another};
 use crate::{Error, Usage};
 
 /// Folder beside the checkpoint with the parts of other ranks than the first.

@@ -36,9 +36,9 @@ pub fn write_numbered(snapshot: &Snapshot, numbers: &[i64], writer: impl Write) 
         let message = format!("{} numbers for {} bodies", numbers.len(), bodies.len());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    let rows = || bodies.iter().zip(numbers).zip(&loads);
-    write_rows(&snapshot.shapes, writer, &|take| {
-        rows().try_for_each(|((body, number), load)| take(body, *number, load))
+    let bodies = || bodies.iter().zip(numbers);
+    write_rows(&snapshot.shapes, Some(&loads), writer, &|take| {
+        bodies().try_for_each(|(body, number)| take(body, *number))
     })
 }
 
@@ -56,17 +56,16 @@ pub fn write_passed(
     bodies: &Numbered<'_>,
     writer: impl Write,
 ) -> io::Result<()> {
-    let none = BodyLoad::default();
-    write_rows(shapes, writer, &|take| {
-        bodies(&mut |body, number| take(body, number, &none))
-    })
+    write_rows(shapes, None, writer, bodies)
 }
 
-/// Passes on what there is to write of bodies.
-type Rows<'a> =
-    dyn Fn(&mut dyn FnMut(&Body, i64, &BodyLoad) -> io::Result<()>) -> io::Result<()> + 'a;
-
-fn write_rows(shapes: &[NamedShape], writer: impl Write, rows: &Rows<'_>) -> io::Result<()> {
+/// `loads` are those of the bodies, if they have contacts.
+fn write_rows(
+    shapes: &[NamedShape],
+    loads: Option<&[BodyLoad]>,
+    writer: impl Write,
+    bodies: &Numbered<'_>,
+) -> io::Result<()> {
     let of = |body: &Body| {
         let shape = shapes.get(body.shape as usize);
         let none = || format!("shape {} of {}", body.shape, shapes.len());
@@ -74,7 +73,7 @@ fn write_rows(shapes: &[NamedShape], writer: impl Write, rows: &Rows<'_>) -> io:
         Ok::<_, io::Error>(&shape?.polyhedron)
     };
     let (mut count, mut points, mut stream) = (0_usize, 0_usize, 0_usize);
-    rows(&mut |body, _, _| {
+    bodies(&mut |body, _| {
         let polyhedron = of(body)?;
         count += 1;
         points += polyhedron.vertices().len();
@@ -85,7 +84,7 @@ fn write_rows(shapes: &[NamedShape], writer: impl Write, rows: &Rows<'_>) -> io:
     let sums = |size: &dyn Fn(&Polyhedron) -> usize,
                 take: &mut dyn FnMut(&Polyhedron, i64, i64) -> io::Result<()>| {
         let mut sum = 0;
-        rows(&mut |body, _, _| {
+        bodies(&mut |body, _| {
             let polyhedron = of(body)?;
             let before = sum;
             sum += size(polyhedron) as i64;
@@ -99,7 +98,7 @@ fn write_rows(shapes: &[NamedShape], writer: impl Write, rows: &Rows<'_>) -> io:
     ));
     out.line("<Points>");
     out.given_floats("points", 3, 3 * points, |take| {
-        rows(&mut |body, _, _| {
+        bodies(&mut |body, _| {
             let vertices = of(body)?.vertices().iter();
             let mut places = vertices.flat_map(|vertex| <[f64; 3]>::from(body.pose * vertex));
             places.try_for_each(&mut *take)
@@ -121,21 +120,26 @@ fn write_rows(shapes: &[NamedShape], writer: impl Write, rows: &Rows<'_>) -> io:
         sums(&stream_length, &mut |_, _, end| take(end))
     });
     out.line("</Cells>\n<CellData Scalars=\"sequence\">");
-    out.given_integers("body", count, |take| rows(&mut |_, number, _| take(number)));
+    out.given_integers("body", count, |take| bodies(&mut |_, number| take(number)));
     out.given_integers("sequence", count, |take| {
-        rows(&mut |body, _, _| take(i64::from(body.sequence)))
+        bodies(&mut |body, _| take(i64::from(body.sequence)))
     });
     out.given_integers("shape", count, |take| {
-        rows(&mut |body, _, _| take(i64::from(body.shape)))
+        bodies(&mut |body, _| take(i64::from(body.shape)))
     });
-    out.given_integers("coordination", count, |take| {
-        rows(&mut |_, _, load| take(i64::from(load.coordination)))
-    });
-    out.given_floats("force_sum", 1, count, |take| {
-        rows(&mut |_, _, load| take(load.force_sum))
-    });
+    match loads {
+        Some(loads) => {
+            let coordination = loads.iter().map(|load| i64::from(load.coordination));
+            out.integers("coordination", coordination);
+            out.floats("force_sum", 1, loads.iter().map(|load| load.force_sum));
+        }
+        None => {
+            out.integers("coordination", std::iter::repeat_n(0, count));
+            out.floats("force_sum", 1, std::iter::repeat_n(0.0, count));
+        }
+    }
     out.given_bytes("sleeping", count, |take| {
-        rows(&mut |body, _, _| take(u8::from(body.sleeping)))
+        bodies(&mut |body, _| take(u8::from(body.sleeping)))
     });
     out.line("</CellData>\n</Piece>");
     out.finish(writer)

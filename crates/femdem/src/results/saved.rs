@@ -7,7 +7,7 @@ use femdem_solve::Halo;
 
 use super::Usage;
 use crate::Error;
-use crate::run::gather::{of_all, or_error_of_another};
+use crate::gather::{of_all, or_error_of_another};
 use crate::saved::{Checkpoint, PartFiles, Saved};
 
 /// Name of the checkpoint in the folder of a pack.

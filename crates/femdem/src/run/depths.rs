@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Simulation;
 use super::contacts::Side;
-use super::gather::of_all;
+use crate::gather::of_all;
 
 /// Steps between looks.
 pub(super) const EVERY: u64 = 16;

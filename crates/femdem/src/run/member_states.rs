@@ -4,9 +4,9 @@ use femdem_contact::BodyId;
 use femdem_solve::Halo;
 
 use super::Simulation;
-use super::gather::by_slices;
 use super::history::MemberState;
 use crate::Error;
+use crate::gather::by_slices;
 
 impl Simulation {
     /// What `members.csv` says of each member that is there; this has all of them.

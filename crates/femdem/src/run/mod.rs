@@ -56,7 +56,6 @@ mod flow;
 mod focus;
 mod fracture;
 mod frame;
-pub(crate) mod gather;
 mod geometry;
 mod history;
 mod hopper;

@@ -72,8 +72,8 @@ impl Simulation {
         format!("{body} {}", support.name)
     }
 
-    /// Force of each support on its body now \[N\], over ranks on the bodies of this one: it balances the forces of elements, contacts, loads and
-    /// gravity on the nodes in the held directions. The inertia of these nodes is not included. Before the
+    /// Force of each support on its body now \[N\], over ranks on the bodies of this one: it balances the forces of elements,
+    /// contacts, loads and gravity on the nodes in the held directions. The inertia of these nodes is not included. Before the
     /// first step no force is known, and all are zero.
     #[must_use]
     pub fn reactions(&self) -> Vec<Vector3> {

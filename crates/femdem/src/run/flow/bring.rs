@@ -5,8 +5,8 @@ use femdem_solve::{BodySpec, Halo, ShapeId, World};
 
 use super::state::{Flow, Supply};
 use crate::Error;
+use crate::gather::of_all;
 use crate::run::Member;
-use crate::run::gather::of_all;
 
 /// Places that are tried in a step at most.
 const TRIES: u32 = 16;

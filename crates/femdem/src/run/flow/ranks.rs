@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::state::Flow;
 use crate::Error;
-use crate::run::gather::of_all;
+use crate::gather::of_all;
 use crate::run::load::LoadedMembers;
 use crate::run::{Member, Simulation};
 

@@ -6,8 +6,8 @@ use femdem_solve::{Halo, SolveError, World, checkpoint};
 use serde::{Deserialize, Serialize};
 
 use super::fixtures::Fixtures;
+use crate::gather::or_error_of_another;
 use crate::run::flow::SharedFlow;
-use crate::run::gather::or_error_of_another;
 use crate::run::load::LoadedMembers;
 use crate::run::saved::RUN;
 use crate::run::stillness::{STEPS_BETWEEN_LOOKS, Stillness};

@@ -9,7 +9,7 @@ use super::files::MemberRows;
 use super::part::Part;
 use super::shown::{OfRanks, Own, Shown};
 use crate::Error;
-use crate::run::gather::or_error_of_another;
+use crate::gather::or_error_of_another;
 use crate::run::until::Lines;
 use crate::run::{Run, Simulation};
 

@@ -11,9 +11,9 @@ use femdem_solve::{AppliedLoad, Halo, World};
 use serde::{Deserialize, Serialize};
 
 use super::Member;
-use super::gather::of_all;
 use crate::Error;
 use crate::error::wrong;
+use crate::gather::of_all;
 use crate::scene::in_metres;
 
 /// A load on bodies: exactly one of `force`, `torque`, `acceleration` and `force-density`.

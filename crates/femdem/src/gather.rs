@@ -36,7 +36,7 @@ const SLICE: usize = 1 << 14;
 /// Tells the first rank of bodies, which it names by their numbers in the whole: what the rank says `of` each that it owns. The
 /// first one `take`s that in the order of its list, with the place in it, and has no more of it at a time than of a slice. If that
 /// fails, the others are asked on, and all have the error.
-pub(in crate::run) fn by_slices<T: Serialize + DeserializeOwned>(
+pub(crate) fn by_slices<T: Serialize + DeserializeOwned>(
     numbers: &[BodyId],
     halo: &mut dyn Halo,
     of: impl Fn(BodyId) -> Option<T>,
