@@ -24,6 +24,7 @@ mod general_sliding;
 mod general_states;
 mod general_walls;
 mod glue;
+mod glue_books;
 mod gradient;
 mod materials;
 mod pair_properties;
