@@ -110,12 +110,13 @@ impl Bvh {
             order: (0..count as u32).collect(),
         };
         if count > 0 {
-            tree.build(boxes, 0, count);
+            let centers: Vec<Point3> = boxes.iter().map(Aabb::center).collect();
+            tree.build(boxes, &centers, 0, count);
         }
         tree
     }
 
-    fn build(&mut self, boxes: &[Aabb], start: usize, end: usize) {
+    fn build(&mut self, boxes: &[Aabb], centers: &[Point3], start: usize, end: usize) {
         let things = &mut self.order[start..end];
         let aabb = things
             .iter()
@@ -129,18 +130,17 @@ impl Bvh {
         if end - start <= LEAF_SIZE {
             return;
         }
-        let center = |i: u32| boxes[i as usize].center();
-        let spread = Aabb::of_points(things.iter().map(|&i| center(i)));
+        let spread = Aabb::of_points(things.iter().map(|&i| centers[i as usize]));
         let axis = (spread.high - spread.low).imax();
         let half = things.len() / 2;
         things.select_nth_unstable_by(half, |&i, &j| {
-            let (a, b) = (center(i)[axis], center(j)[axis]);
+            let (a, b) = (centers[i as usize][axis], centers[j as usize][axis]);
             a.total_cmp(&b).then(i.cmp(&j))
         });
-        self.build(boxes, start, start + half);
+        self.build(boxes, centers, start, start + half);
         self.nodes[node].count = 0;
         self.nodes[node].first = self.nodes.len() as u32;
-        self.build(boxes, start + half, end);
+        self.build(boxes, centers, start + half, end);
     }
 
     /// The items in the order of the leaves.

@@ -156,6 +156,45 @@ fn a_checkpoint_that_one_rank_cannot_write_leaves_the_old_one() {
     }
 }
 
+/// A folder in the place of a file of the next frame.
+#[test]
+fn a_frame_that_cannot_be_written_is_the_error_of_all_ranks() {
+    let text = scene();
+    let expected = alone(&text);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    stopped(&text, path, 20, 3);
+    for kind in ["rigid", "contacts"] {
+        let frames = fs::read_dir(path.join("frames")).unwrap();
+        let mut names = frames.map(|file| file.unwrap().file_name().into_string().unwrap());
+        let first = names.find(|name| name.starts_with(kind)).unwrap();
+        let blocked = first.replace("0.vt", "1.vt");
+        assert_ne!(first, blocked);
+        fs::create_dir(path.join("frames").join(&blocked)).unwrap();
+        let errors = Threads::each(3, |halo| {
+            let (mut part, read) = Part::resume(path, halo).unwrap();
+            let mut run = read.map(|(run, _)| run);
+            loop {
+                part.step(halo).unwrap();
+                let mut due = [run.as_ref().map_or(f64::INFINITY, Run::next_due)];
+                halo.least(&mut due).unwrap();
+                if part.world().time() >= due[0]
+                    && let Err(error) = part.go_on(run.as_mut(), path, halo)
+                {
+                    return error.to_string();
+                }
+                assert!(part.world().time() < 0.06);
+            }
+        });
+        for error in errors {
+            assert!(error.contains(&blocked), "{error}");
+        }
+        fs::remove_dir(path.join("frames").join(&blocked)).unwrap();
+    }
+    let mut last = resumed(path, 2);
+    assert!(result(&mut last, path) == expected);
+}
+
 /// The first rank must see the parts that it names.
 #[test]
 fn a_folder_that_is_not_one_for_all_ranks_is_noticed_before_the_checkpoint_is() {

@@ -78,19 +78,23 @@ impl<'a> Folds<'a> {
             let of_whole = &mut boxes[whole(part) as usize];
             *of_whole = of_whole.union(own);
         }
+        // For which tetrahedron each was found last: it may have several parts.
+        let mut seen = vec![u32::MAX; boxes.len()];
         for (own, i) in boxes.iter().zip(0..) {
             let wide = own.grown(margin);
             let first = pairs.len();
             tree.tree.query(&wide, |part| {
                 let j = whole(part);
-                if j > i && boxes[j as usize].overlaps(&wide) {
+                if j > i
+                    && std::mem::replace(&mut seen[j as usize], i) != i
+                    && boxes[j as usize].overlaps(&wide)
+                    && shape.may_overlap([i, j], &creases)
+                {
                     pairs.push([i, j]);
                 }
             });
             pairs[first..].sort_unstable();
         }
-        pairs.dedup();
-        pairs.retain(|pair| shape.may_overlap(*pair, &creases));
         pairs
     }
 

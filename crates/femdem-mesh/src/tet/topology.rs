@@ -54,14 +54,35 @@ fn side(tet: usize, corners: &[u32; 4], k: usize) -> Side {
     (sorted, tet as u32, k as u8, odd)
 }
 
+/// All sides of tetrahedra, ascending: dealt out by their lowest points, which few of them share, then sorted.
+fn sides(tets: &[[u32; 4]]) -> Vec<Side> {
+    let all = || {
+        let each = tets.iter().enumerate();
+        each.flat_map(|(tet, corners)| (0..4).map(move |k| side(tet, corners, k)))
+    };
+    let highest = tets.iter().flatten().max();
+    let mut next = vec![0; highest.map_or(0, |highest| *highest as usize + 2)];
+    for (points, ..) in all() {
+        next[points[0] as usize + 1] += 1;
+    }
+    for point in 1..next.len() {
+        next[point] += next[point - 1];
+    }
+    let mut sides = vec![Side::default(); 4 * tets.len()];
+    for side in all() {
+        let next = &mut next[side.0[0] as usize];
+        sides[*next] = side;
+        *next += 1;
+    }
+    for group in sides.chunk_by_mut(|a, b| a.0[0] == b.0[0]) {
+        group.sort_unstable();
+    }
+    sides
+}
+
 /// Finds neighbours and skin of tetrahedra with valid indices.
 pub(super) fn connect(tets: &[[u32; 4]]) -> Result<Connected, MeshError> {
-    let mut sides: Vec<Side> = tets
-        .iter()
-        .enumerate()
-        .flat_map(|(tet, corners)| (0..4).map(move |k| side(tet, corners, k)))
-        .collect();
-    sides.sort_unstable();
+    let sides = sides(tets);
     let mut neighbours = vec![[None; 4]; tets.len()];
     for group in sides.chunk_by(|a, b| a.0 == b.0) {
         match *group {

@@ -43,16 +43,20 @@ pub fn compressive(confinement: f64) -> f64 {
     2.0 * COHESION * flow.sqrt() + confinement * flow
 }
 
+/// A number from -1 to 1 for a component of a point.
+pub fn noise(point: usize, component: usize, seed: f64) -> f64 {
+    (12.9898 * point as f64 + 78.233 * component as f64 + 37.719 * seed).sin()
+}
+
 /// A block of cells whose points are moved by up to a fifth of an edge, those on the skin along it.
 pub fn shaken(cells: [u32; 3], size: &Vector3, seed: f64) -> Result<TetMesh, Box<dyn Error>> {
     let block = TetMesh::block(cells, size)?;
     let edge = size.component_div(&Vector3::from(cells.map(f64::from)));
-    let noise = |i: usize, k: usize| (12.9898 * i as f64 + 78.233 * k as f64 + 37.719 * seed).sin();
     let mut points: Vec<Point3> = block.points().to_vec();
     for (i, p) in points.iter_mut().enumerate() {
         for k in 0..3 {
             if p[k] > 1e-9 * size[k] && p[k] < (1.0 - 1e-9) * size[k] {
-                p[k] += 0.2 * edge[k] * noise(i, k);
+                p[k] += 0.2 * edge[k] * noise(i, k, seed);
             }
         }
     }
