@@ -1,6 +1,6 @@
 //! A disc pressed across its diameter (the Brazilian test): it splits where the tension at its centre reaches the strength.
 
-use super::setting::{TENSILE, YOUNG, add, facets, mean_angle, model, noise, rock, world};
+use super::setting::{TENSILE, YOUNG, add, facets, mean_angle, model, noise, rock_of, world};
 use femdem_contact::BodyId;
 use femdem_fem::{Boundary, Curve, DeformableModel, Selection};
 use femdem_mesh::{Point3, TetMesh, Vector3};
@@ -141,8 +141,9 @@ fn height(world: &World, body: BodyId, jaws: &[Vec<u32>; 2]) -> f64 {
     mean(&jaws[1]) - mean(&jaws[0])
 }
 
-/// Presses a disc of so many cells across until it gives way: until it is half as much shorter again as an elastic one.
-pub fn split(cells: u32, energy: f64) -> Result<Disc, Box<dyn Error>> {
+/// Presses a disc of so many cells across until it gives way: until it is half as much shorter again as an elastic one. Its energies
+/// of fracture are by opening and by sliding, J/m².
+pub fn split(cells: u32, energies: [f64; 2]) -> Result<Disc, Box<dyn Error>> {
     let mesh = disc(cells)?;
     let model = model(&mesh, YOUNG)?;
     let jaws = jaws(&model);
@@ -151,7 +152,7 @@ pub fn split(cells: u32, energy: f64) -> Result<Disc, Box<dyn Error>> {
         boundary.press(&model, &Selection::Nodes(nodes.clone()), course())?;
     }
     let mut world = world()?;
-    let mut fracture = rock(energy)?;
+    let mut fracture = rock_of(energies)?;
     fracture.coarse = true;
     let zones = DIAMETER / fracture.process_zone(YOUNG);
     let body = add(&mut world, model, boundary, fracture, |_| Vector3::zeros())?;

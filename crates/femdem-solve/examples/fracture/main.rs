@@ -117,15 +117,24 @@ fn blocks(out: &mut impl Write, one: Option<usize>) -> Result<(), Box<dyn Error>
     Ok(())
 }
 
-/// Discs across their diameter: three meshes, three energies of fracture on the second.
+/// Discs across their diameter: three meshes, with two energies of fracture by sliding, and three by opening on the second.
 fn discs(out: &mut impl Write, one: Option<usize>) -> Result<(), Box<dyn Error>> {
-    let runs = [(24, 5.0), (36, 5.0), (48, 5.0), (36, 10.0), (36, 20.0)];
+    let runs = [
+        (24, [5.0, 25.0]),
+        (36, [5.0, 25.0]),
+        (48, [5.0, 25.0]),
+        (36, [10.0, 50.0]),
+        (36, [20.0, 100.0]),
+        (24, [5.0, 5.0]),
+        (36, [5.0, 5.0]),
+        (48, [5.0, 5.0]),
+    ];
     let chosen = runs.into_iter().enumerate();
     let chosen = chosen.filter(|(k, _)| one.is_none_or(|one| one == *k));
-    for (_, (cells, energy)) in chosen {
-        let disc = disc::split(cells, energy)?;
+    for (_, (cells, energies)) in chosen {
+        let disc = disc::split(cells, energies)?;
         let mesh = format!("{cells} cells across, {} tetrahedra", disc.tets);
-        let setting = format!("{energy} J/m2");
+        let setting = format!("{} and {} J/m2", energies[0], energies[1]);
         let values = [
             ("zones", disc.zones),
             ("first crack", disc.first),

@@ -32,8 +32,13 @@ pub const SLOPE: f64 = 0.8;
 
 /// A rock of the given energy of fracture by opening, J/m²; five times as much by sliding.
 pub fn rock(energy: f64) -> Result<Fracture, Box<dyn Error>> {
+    rock_of([energy, 5.0 * energy])
+}
+
+/// A rock of the given energies of fracture by opening and by sliding, J/m².
+pub fn rock_of(energies: [f64; 2]) -> Result<Fracture, Box<dyn Error>> {
     let strength = Strength::new(TENSILE, COHESION, SLOPE.atan())?;
-    Ok(Fracture::new(strength, [energy, 5.0 * energy]))
+    Ok(Fracture::new(strength, energies))
 }
 
 /// The axial stress at failure under a pressure on the sides (Mohr and Coulomb), Pa.
