@@ -96,8 +96,13 @@ impl Point {
         let [one, two] = [traction[1], traction[2]];
         let rest = [normal.max(0.0), one * (1.0 - share), two * (1.0 - share)];
         let offset = pressure / law.contact;
+        let mut limits = *limits;
+        // Friction has as much of that part of the shear.
+        for shear in &mut limits.aside[1..] {
+            *shear *= 1.0 - share;
+        }
         let new = Self {
-            glue: Glue::born(law, rest, offset, limits),
+            glue: Glue::born(law, rest, offset, &limits),
             offset,
             fade: if law.presses { 0.0 } else { offset / FADES },
             normal: 0.0,

@@ -57,6 +57,9 @@ pub struct GlueLimits {
     /// Unit normal m of the plane that fails, in the axes of the facet, n first; n·m is not negative. The facet opens where its
     /// traction pulls along m, and slides by what is across, and bears and takes its part n·m of what that plane does.
     pub plane: [f64; 3],
+    /// What the facet carries as it is askew, in its axes, Pa: the traction σ (n − (n·m) m) of the stress along the plane that fails, at
+    /// birth. The facets of a zigzag carry it in turn; it neither opens the crack nor slides it.
+    pub aside: [f64; 3],
 }
 
 impl GlueLimits {
@@ -67,6 +70,7 @@ impl GlueLimits {
             strengths,
             slope,
             plane: [1.0, 0.0, 0.0],
+            aside: [0.0; 3],
         }
     }
 
@@ -75,7 +79,7 @@ impl GlueLimits {
     /// # Errors
     ///
     /// [`ContactError::Parameter`] for strengths that are not positive and finite, a slope that is negative or not finite, and a
-    /// normal that is no unit or points to the other side.
+    /// normal that is no unit or points to the other side, or a traction that is not finite.
     pub fn check(&self) -> Result<(), ContactError> {
         for (name, value) in ["tensile strength of glue", "cohesion of glue"]
             .into_iter()
@@ -90,7 +94,9 @@ impl GlueLimits {
         check("length of the normal of glue", length, is_unit, "1")?;
         let flat = self.plane[0];
         let allowed = "at least 0: the normal points to the second side";
-        check("part of glue in its plane", flat, flat >= 0.0, allowed)
+        check("part of glue in its plane", flat, flat >= 0.0, allowed)?;
+        let aside = square(&self.aside);
+        check("traction of glue askew", aside, true, "finite, in Pa")
     }
 
     /// The same where strengths are a multiple.
@@ -100,17 +106,18 @@ impl GlueLimits {
         self
     }
 
-    /// The part of sliding, squared, in the traction of the glue, where the facet is under a pressure, Pa: what does not pull along
-    /// the normal of the plane. All of it, where the pressure pushes that plane shut.
-    fn sliding(&self, traction: &[f64; 3], pressure: f64) -> f64 {
-        let pull: f64 = self.plane.iter().zip(traction).map(|(m, t)| m * t).sum();
-        let along = pull - self.plane[0] * pressure;
-        let all = square(traction);
-        if all > 0.0 {
-            1.0 - (along.max(0.0).powi(2) / all).min(1.0)
-        } else {
-            0.0
-        }
+    /// What opens and slides the crack, Pa, where the facet has this traction in its glue and is under a pressure, Pa: that in the plane
+    /// that fails, over the part of the facet. With it the part of sliding, squared, which is what does not pull along the normal of
+    /// that plane.
+    fn driving(&self, traction: &[f64; 3], pressure: f64) -> [f64; 2] {
+        let mut rest = [0, 1, 2].map(|i| traction[i] - self.aside[i]);
+        rest[0] -= pressure;
+        let along: f64 = self.plane.iter().zip(rest).map(|(m, t)| m * t).sum();
+        let across = [0, 1, 2].map(|i| rest[i] - along * self.plane[i]);
+        let (across, along) = (square(&across), along.max(0.0).powi(2));
+        let all = along + across;
+        let sliding = if all > 0.0 { across / all } else { 0.0 };
+        [all.sqrt(), sliding]
     }
 
     /// Traction at which it gives way in a mode, under a pressure (Pa) on the facet, Pa.
@@ -251,11 +258,11 @@ impl Glue {
         pressure: f64,
     ) -> Option<GivesWay> {
         let traction = square(elastic).sqrt();
-        let sliding = limits.sliding(elastic, pressure);
+        let [driving, sliding] = limits.driving(elastic, pressure);
         let peak = limits.peak(law, sliding, pressure);
-        (traction > 0.0 && traction >= peak).then_some(GivesWay {
+        (traction > 0.0 && driving >= peak).then(|| GivesWay {
             traction,
-            peak,
+            peak: traction * (peak / driving),
             sliding,
         })
     }

@@ -138,7 +138,7 @@ impl World {
 
 /// The limits of a facet that is cut, whose corners are at these places, m. In tension along d a facet askew carries less than the
 /// strength, T = |n·d| f, and all of them open equally far: the facets of a zigzag bear and take what the plane that fails does, in the
-/// mode of that plane, and each the part that it has of it.
+/// mode of that plane, and each the part that it has of it. What they carry [askew](aside) is known when they open.
 fn limits(
     fracture: &Fracture,
     cut: &Cut,
@@ -154,6 +154,18 @@ fn limits(
     }
     limits.check()?;
     Ok(limits)
+}
+
+/// The traction, in the axes of a facet, of the stress along the plane that fails, Pa: σ (n − (n·m) m), whose sum over a zigzag without
+/// overhangs is zero.
+fn aside(limits: &GlueLimits, triangle: &[Vector3; 3], stress: &Matrix3) -> Option<[f64; 3]> {
+    let axes = MidSurface::new(triangle, triangle)?.axes;
+    let plane: Vector3 = axes
+        .iter()
+        .zip(limits.plane)
+        .map(|(axis, m)| axis * m)
+        .sum();
+    in_axes(triangle, |n| stress * (n - plane * n.dot(&plane)))
 }
 
 /// What the faces of a crack have of the body.
@@ -379,7 +391,9 @@ impl CrackState {
                     .cross(&(middle[2] - middle[0]))
                     .norm();
             let grown = now / joint.glued.area();
-            if let Some(traction) = in_axes(&middle, |normal| mean * normal * grown) {
+            let mean = mean * grown;
+            if let Some(traction) = in_axes(&middle, |normal| mean * normal) {
+                joint.limits.aside = aside(&joint.limits, &middle, &mean).unwrap_or_default();
                 let own = first.map(|node| factors[self.mesh.points()[node as usize] as usize]);
                 let lent = joint.glued.join(&joint.law, traction, &joint.limits, own);
                 self.flows.lent += lent;
