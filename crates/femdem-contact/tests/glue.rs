@@ -309,8 +309,8 @@ fn the_mode_stays() {
     }
 }
 
-/// A facet askew to a plane that fails by sliding, where the pressure on it pushes that plane shut though its shear alone would pull
-/// it open, gives way by sliding: at its part of c + p tan φ, with that of G_II.
+/// A facet askew to a plane that fails by sliding, whose shear alone would pull that plane open, gives way where the plane does, at c +
+/// p tan φ there, and takes its part of G_II.
 #[test]
 fn a_facet_askew_under_pressure_slides() {
     let law = GlueLaw {
@@ -321,22 +321,29 @@ fn a_facet_askew_under_pressure_slides() {
         presses: false,
         ..law(Softening::Linear)
     };
-    // In a block under 83.2 MPa, a facet at 40 degrees, where the plane that fails is at 64.3.
-    let (pressure, shear) = (48.8e6, 41.0e6);
-    let (sin, cos) = 24.3_f64.to_radians().sin_cos();
+    // In a block under 60 MPa along e, a facet at 40 degrees to it, where the plane that fails first is at 64.3.
+    let [facet, plane] = [40_f64, 64.3].map(f64::to_radians);
+    let (sin, cos) = (plane - facet).sin_cos();
+    let e = [facet.cos(), -facet.sin(), 0.0];
+    let of = |part: f64| e.map(|e| -60e6 * part * e);
     let limits = GlueLimits {
         plane: [cos, sin, 0.0],
+        aside: of(facet.cos() - cos * plane.cos()),
         ..GlueLimits::flat(STRENGTHS, 0.8)
     };
-    assert!(sin * shear > 0.0 && sin * shear - cos * pressure < 0.0);
-    let (mut facet, lent) = rising(&law, [-pressure, shear, 0.0], &limits);
-    assert_eq!(facet.damage(&law), [0.0; 3]);
-    let lent = lent / AREA - 0.5 * pressure * pressure / law.contact;
-    let way = [Vector3::zeros(), Vector3::x() * 5e-6];
-    let (most, lost) = led(&mut facet, &law, way, &Vector3::x());
-    let peak = cos * (20e6 + 0.8 * pressure);
-    assert!((most / peak - 1.0).abs() < 2e-2 && most <= peak, "{most}");
-    assert!(facet.is_broken(&law));
+    let born = of(facet.cos());
+    assert!(born[0] < 0.0 && born[1] > 0.0);
+    let (mut glued, lent) = rising(&law, born, &limits);
+    assert_eq!(glued.damage(&law), [0.0; 3]);
+    let lent = lent / AREA - 0.5 * born[0] * born[0] / law.contact;
+    let way = [Vector3::zeros(), Vector3::x() * 7e-6];
+    let (most, lost) = led(&mut glued, &law, way, &Vector3::x());
+    // Until sliding by more shear makes c + p tan φ of what is on the plane.
+    let [pressure, shear] = [plane.cos().powi(2), plane.sin() * plane.cos()].map(|x| 60e6 * x);
+    let more = cos * (20e6 + 0.8 * pressure - shear) / (cos + 0.8 * sin);
+    let most = most / (born[1] + more);
+    assert!((most - 1.0).abs() < 2e-2 && most <= 1.0, "{most}");
+    assert!(glued.is_broken(&law));
     let taken = lost - lent;
     assert!((taken / (100.0 * cos) - 1.0).abs() < 1e-9, "{taken}");
 }
@@ -432,6 +439,48 @@ fn a_zigzag_gives_way_in_the_mode_of_its_plane() {
                 (lost / (cos * energy) - 1.0).abs() < 1e-9,
                 "{angle} {lost:?}"
             );
+        }
+    }
+}
+
+/// Under tension along the normal of the plane that fails, and pressure or tension along that plane, facets of a zigzag carry more
+/// than their part of the tension, some of them under pressure. They give way where that plane does, and take their part of G_I.
+#[test]
+fn a_zigzag_opens_whatever_the_stress_along_it() {
+    let law = GlueLaw {
+        friction: 0.0,
+        presses: false,
+        ..law(Softening::Linear)
+    };
+    for angle in [0.2_f64, 0.5, 0.9] {
+        let (sin, cos) = angle.sin_cos();
+        for along in [-2.5, -1.0, 0.5] {
+            for (pull, gives_way) in [(0.99, false), (1.01, true)] {
+                // σ = f (pull m m + along s s), where s is in the plane: n = cos m + sin s.
+                let of = |m: f64, s: f64| {
+                    [m * cos + s * sin, m * sin - s * cos, 0.0].map(|t| t * STRENGTHS[0])
+                };
+                let traction = of(pull * cos, along * sin);
+                let limits = GlueLimits {
+                    plane: [cos, sin, 0.0],
+                    aside: of(0.0, along * sin),
+                    ..GlueLimits::flat(STRENGTHS, 0.8)
+                };
+                let (facet, lent) = rising(&law, traction, &limits);
+                let pressure = (-traction[0]).max(0.0);
+                let lent = lent / AREA - 0.5 * pressure * pressure / law.contact;
+                // The axes are z, x and y.
+                let normal = Vector3::new(sin, 0.0, cos);
+                let mut opened = facet.clone();
+                opened.advance(&law, &triangle(), &moved(normal * 1e-9));
+                let is_softer = opened.damage(&law)[0] > 0.0;
+                assert_eq!(is_softer, gives_way, "{angle} {along} {pull}");
+                let (mut facet, way) = (facet, [Vector3::zeros(), normal * 1e-4]);
+                let (_, lost) = led(&mut facet, &law, way, &normal);
+                assert!(facet.is_broken(&law));
+                let taken = (lost - lent) / (20.0 * cos);
+                assert!((taken - 1.0).abs() < 1e-2, "{angle} {along} {taken}");
+            }
         }
     }
 }

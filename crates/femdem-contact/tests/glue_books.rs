@@ -44,13 +44,15 @@ fn sides() -> impl Strategy<Value = [[Vector3; 3]; 2]> {
 fn limits() -> impl Strategy<Value = GlueLimits> {
     let angles = (0.0..1.4_f64, 0.0..6.3_f64);
     let strengths = (1.0..1e7, 1.0..1e7);
-    (strengths, 0.0..1.0, angles).prop_map(|((tensile, cohesion), slope, (askew, about))| {
+    let all = (strengths, 0.0..1.0, angles, traction());
+    all.prop_map(|((tensile, cohesion), slope, (askew, about), aside)| {
         let [sin, cos] = [askew.sin(), askew.cos()];
         let plane = [cos, sin * about.cos(), sin * about.sin()];
         GlueLimits {
             strengths: [tensile, cohesion],
             slope,
             plane,
+            aside,
         }
     })
 }

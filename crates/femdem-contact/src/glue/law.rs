@@ -52,7 +52,7 @@ pub struct GlueLimits {
     /// Tensile strength f_t and cohesion c, Pa.
     pub strengths: [f64; 2],
     /// Tangent of the angle of internal friction φ. What it is more than the friction of the faces, the glue bears by cohesion,
-    /// so that they bear c + p tan φ together under a pressure p.
+    /// so that they bear c + p tan φ together under a pressure p on the plane that fails.
     pub slope: f64,
     /// Unit normal m of the plane that fails, in the axes of the facet, n first; n·m is not negative. The facet opens where its
     /// traction pulls along m, and slides by what is across, and bears and takes its part n·m of what that plane does.
@@ -106,26 +106,40 @@ impl GlueLimits {
         self
     }
 
-    /// What opens and slides the crack, Pa, where the facet has this traction in its glue and is under a pressure, Pa: that in the plane
-    /// that fails, over the part of the facet. With it the part of sliding, squared, which is what does not pull along the normal of
-    /// that plane.
-    fn driving(&self, traction: &[f64; 3], pressure: f64) -> [f64; 2] {
+    /// How the plane that fails is driven where the facet has this traction in its glue and is under a pressure, Pa.
+    fn driving(&self, traction: &[f64; 3], pressure: f64) -> Driving {
         let mut rest = [0, 1, 2].map(|i| traction[i] - self.aside[i]);
         rest[0] -= pressure;
         let along: f64 = self.plane.iter().zip(rest).map(|(m, t)| m * t).sum();
         let across = [0, 1, 2].map(|i| rest[i] - along * self.plane[i]);
-        let (across, along) = (square(&across), along.max(0.0).powi(2));
-        let all = along + across;
-        let sliding = if all > 0.0 { across / all } else { 0.0 };
-        [all.sqrt(), sliding]
+        let (across, opening) = (square(&across), along.max(0.0).powi(2));
+        let all = opening + across;
+        Driving {
+            traction: all.sqrt(),
+            sliding: if all > 0.0 { across / all } else { 0.0 },
+            pressure: (-along).max(0.0),
+        }
     }
 
-    /// Traction at which it gives way in a mode, under a pressure (Pa) on the facet, Pa.
-    fn peak(&self, law: &GlueLaw, sliding: f64, pressure: f64) -> f64 {
-        let [tensile, cohesion] = self.strengths;
-        let rest = (self.slope - law.friction).max(0.0) * pressure;
-        self.plane[0] * mixed_strength([tensile, cohesion + rest], sliding)
+    /// Traction at which it gives way so driven, Pa.
+    fn peak(&self, law: &GlueLaw, driving: &Driving) -> f64 {
+        if driving.pressure > 0.0 {
+            let rest = (self.slope - law.friction).max(0.0) * driving.pressure;
+            self.plane[0] * self.strengths[1] + rest
+        } else {
+            self.plane[0] * mixed_strength(self.strengths, driving.sliding)
+        }
     }
+}
+
+/// What opens and slides the crack, by the facet: in the plane that fails, times its part of that, Pa.
+struct Driving {
+    /// What pulls along the normal of the plane and what is across.
+    traction: f64,
+    /// The part of sliding in it, squared: of what is across. All of it, where the plane is pushed shut.
+    sliding: f64,
+    /// What pushes it shut.
+    pressure: f64,
 }
 
 /// How far the length of a unit normal may be from 1.
@@ -258,12 +272,16 @@ impl Glue {
         pressure: f64,
     ) -> Option<GivesWay> {
         let traction = square(elastic).sqrt();
-        let [driving, sliding] = limits.driving(elastic, pressure);
-        let peak = limits.peak(law, sliding, pressure);
-        (traction > 0.0 && driving >= peak).then(|| GivesWay {
+        let driving = limits.driving(elastic, pressure);
+        let peak = limits.peak(law, &driving);
+        (traction > 0.0 && driving.traction >= peak).then(|| GivesWay {
             traction,
-            peak: traction * (peak / driving),
-            sliding,
+            peak: if driving.traction > 0.0 {
+                traction * (peak / driving.traction)
+            } else {
+                traction
+            },
+            sliding: driving.sliding,
         })
     }
 
