@@ -345,7 +345,8 @@ fn a_facet_askew_under_pressure_slides() {
     assert!((most - 1.0).abs() < 2e-2 && most <= 1.0, "{most}");
     assert!(glued.is_broken(&law));
     let taken = lost - lent;
-    assert!((taken / (100.0 * cos) - 1.0).abs() < 1e-9, "{taken}");
+    // What the peak sinks by in the step in which it is reached is lost, too.
+    assert!((taken / (100.0 * cos) - 1.0).abs() < 1e-6, "{taken}");
 }
 
 /// Cut under pressure, and sheared: cohesion and friction bear c + p tan φ, whatever part of it the faces rub by, and the glue takes
