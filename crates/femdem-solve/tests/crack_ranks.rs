@@ -22,7 +22,7 @@ use std::sync::Arc;
 const EDGE: f64 = 0.02;
 
 /// Steps in all, and before a checkpoint.
-const LAST: u32 = 610;
+const LAST: u32 = 630;
 const STOP: u32 = 583;
 
 /// Cubes beside each other are thrown on a floor, with balls behind them, past one that is held at a side. The pieces of one of them
