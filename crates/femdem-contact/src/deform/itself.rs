@@ -97,11 +97,8 @@ impl Itself<'_> {
                 scratch.candidates += 1;
                 let pair = [a.whole, b.whole];
                 let gap = self.shape.gap_of_wholes(pair, [p, q], f64::INFINITY);
-                if gap > 0.0 {
-                    candidate.clear = motion + gap;
-                } else if intersect(p, q, &mut scratch.piece).is_none() {
-                    candidate.clear = motion;
-                } else if !is_speck(p, q, &mut scratch.piece) {
+                candidate.clear = motion + gap.max(0.0);
+                if gap <= 0.0 && common_part(p, q, &mut scratch.piece).is_some() {
                     let [of_a, of_b] = [(p, a.count), (q, b.count)]
                         .map(|(tet, count)| reached(tet, count, &scratch.piece));
                     for (k, l) in (0..16).map(|both| (both / 4, both % 4)) {
@@ -148,20 +145,18 @@ impl Itself<'_> {
             planes_a.get(i, |room| planes(own, room))?,
             planes_b.get(j, |room| planes(other, room))?,
         ];
-        let flush = intersect(posed[0], posed[1], piece)?;
-        if !is_speck(posed[0], posed[1], piece) {
-            let places = [(own, i, 0), (other, j, 1)].map(|(tet, place, side)| Place {
-                tet,
-                place,
-                nodes: members[side].corners.get(place as usize),
-            });
-            let of_b = &self.shape.tets()[members[1].tets[j as usize] as usize];
-            let triangles = Triangles {
-                faces: of_b.triangles,
-                nearest: of_b.nearest,
-            };
-            sums.add(places, posed, &triangles, flush, piece);
-        }
+        let flush = common_part(posed[0], posed[1], piece)?;
+        let places = [(own, i, 0), (other, j, 1)].map(|(tet, place, side)| Place {
+            tet,
+            place,
+            nodes: members[side].corners.get(place as usize),
+        });
+        let of_b = &self.shape.tets()[members[1].tets[j as usize] as usize];
+        let triangles = Triangles {
+            faces: of_b.triangles,
+            nearest: of_b.nearest,
+        };
+        sums.add(places, posed, &triangles, flush, piece);
         Some(())
     }
 
@@ -176,10 +171,18 @@ impl Itself<'_> {
     }
 }
 
-/// Whether the common part of two tetrahedra is no more than round-off.
-fn is_speck(a: &Posed, b: &Posed, piece: &mut Piece) -> bool {
+/// Cuts the common part of two tetrahedra into `piece`; `None` if it is no more than round-off, otherwise whether faces of both may
+/// coincide.
+fn common_part(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool> {
+    let least = SPECK * a.volume().min(b.volume());
+    // What is cut out has errors of its own, far smaller than a speck.
+    let surely = 0.5 * least;
+    if a.most_under(b) < surely || b.most_under(a) < surely {
+        return None;
+    }
+    let flush = intersect(a, b, piece)?;
     let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
-    common.is_nan() || common <= SPECK * a.volume().min(b.volume())
+    (common > least).then_some(flush)
 }
 
 /// Which parts of a tetrahedron a piece of it can reach, as bits. Part k is where the share of corner k is the least of all.

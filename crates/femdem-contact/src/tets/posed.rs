@@ -105,6 +105,35 @@ impl Posed {
         gap
     }
 
+    /// The volume of another tetrahedron under one of the faces, the least of those under which one corner of it lies and no more;
+    /// infinite if there is none, m³. The two have no more than that in common.
+    pub fn most_under(&self, other: &Self) -> f64 {
+        let mut least = f64::INFINITY;
+        for k in 0..4 {
+            let depths = other.corners.map(|x| self.depth(k, &x));
+            let (mut deepest, mut count) = (0.0, 0);
+            for depth in depths {
+                if depth > 0.0 {
+                    deepest = depth;
+                    count += 1;
+                }
+            }
+            if count == 1 {
+                // The edges from the corner are cut at d/(d - d_i); its own factor is 1.
+                let cut = |depth: f64| {
+                    if depth > 0.0 {
+                        1.0
+                    } else {
+                        deepest / (deepest - depth)
+                    }
+                };
+                let part = depths.into_iter().map(cut).product::<f64>();
+                least = if part < least { part } else { least };
+            }
+        }
+        least * other.volume()
+    }
+
     /// The motion of the corners towards each other, m, up to which a face separates two tetrahedra with common corners, which stay
     /// so; 0 if none does now. `common`: bit k for corner k of self and of the other.
     pub fn hinge_gap(&self, other: &Self, common: [u8; 2]) -> f64 {
@@ -332,6 +361,55 @@ mod tests {
             }
         }
         assert!(seen.iter().all(|n| *n > 100), "{seen:?}");
+    }
+
+    /// Two tetrahedra have no more in common than is under a face that one corner is under; just that if the other faces cut nothing.
+    #[test]
+    fn one_corner_bounds_what_two_have_in_common() {
+        let mut state = 11;
+        let mut piece = Piece::default();
+        let (mut bounded, mut met) = (0, 0);
+        for trial in 0..20_000 {
+            // Half of them lie apart by so much that corners hardly reach each other.
+            let away = if trial % 2 == 0 { 0.0 } else { 0.7 };
+            let mut build = |middle: f64| {
+                let mut point = || Vector3::from([0; 3].map(|_| noise(&mut state)));
+                let corners = [0; 4].map(|_| point() + Vector3::x() * middle);
+                let mut tet = Current::default();
+                tet.deform(corners, &[0.0; 4], 1.0, 0).then(|| tet.planes())
+            };
+            let (Some(a), Some(b)) = (build(away), build(-away)) else {
+                continue;
+            };
+            let most = a.most_under(&b);
+            if most.is_finite() {
+                bounded += 1;
+                if intersect(&a, &b, &mut piece).is_some() {
+                    let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
+                    assert!(common <= most + 1e-14, "{trial} {common} {most}");
+                    met += 1;
+                }
+            }
+        }
+        assert!(bounded > 1000 && met > 300, "{bounded} {met}");
+
+        let wide = tet([
+            [0.0, 0.0, -9.0],
+            [9.0, -9.0, 0.0],
+            [0.0, 9.0, 0.0],
+            [-9.0, -9.0, 0.0],
+        ]);
+        let peak = tet([
+            [0.0, 0.0, -0.01],
+            [1.0, 0.0, 1.0],
+            [0.0, 1.0, 2.0],
+            [-1.0, -1.0, 3.0],
+        ]);
+        intersect(&wide, &peak, &mut piece).expect("they meet");
+        let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
+        let most = wide.most_under(&peak);
+        assert!((most / common - 1.0).abs() < 1e-9, "{most} {common}");
+        assert!(peak.most_under(&wide) > most);
     }
 
     /// A corner over a face: the plane of the face gives the distance.
