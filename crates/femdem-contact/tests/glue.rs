@@ -8,7 +8,7 @@ use femdem_contact::glue::{
 use femdem_mesh::Vector3;
 
 /// Area of the facet of the tests, m².
-const AREA: f64 = 0.5e-6;
+pub const AREA: f64 = 0.5e-6;
 
 pub fn law(softening: Softening) -> GlueLaw {
     GlueLaw {
@@ -310,43 +310,91 @@ fn the_mode_stays() {
 }
 
 /// A facet askew to a plane that fails by sliding, whose shear alone would pull that plane open, gives way where the plane does, at c +
-/// p tan φ there, and takes its part of G_II.
+/// p tan φ there, whatever part of its shear its faces hold by friction, and takes its part of G_II.
 #[test]
 fn a_facet_askew_under_pressure_slides() {
-    let law = GlueLaw {
-        stiffness: 1e15,
-        contact: 1e15,
-        tangential: 1e15,
-        friction: 0.0,
-        presses: false,
-        ..law(Softening::Linear)
-    };
-    // In a block under 60 MPa along e, a facet at 40 degrees to it, where the plane that fails first is at 64.3.
-    let [facet, plane] = [40_f64, 64.3].map(f64::to_radians);
-    let (sin, cos) = (plane - facet).sin_cos();
-    let e = [facet.cos(), -facet.sin(), 0.0];
-    let of = |part: f64| e.map(|e| -60e6 * part * e);
-    let limits = GlueLimits {
-        plane: [cos, sin, 0.0],
-        aside: of(facet.cos() - cos * plane.cos()),
-        ..GlueLimits::flat(STRENGTHS, 0.8)
-    };
-    let born = of(facet.cos());
-    assert!(born[0] < 0.0 && born[1] > 0.0);
-    let (mut glued, lent) = rising(&law, born, &limits);
-    assert_eq!(glued.damage(&law), [0.0; 3]);
-    let lent = lent / AREA - 0.5 * born[0] * born[0] / law.contact;
-    let way = [Vector3::zeros(), Vector3::x() * 7e-6];
-    let (most, lost) = led(&mut glued, &law, way, &Vector3::x());
-    // Until sliding by more shear makes c + p tan φ of what is on the plane.
-    let [pressure, shear] = [plane.cos().powi(2), plane.sin() * plane.cos()].map(|x| 60e6 * x);
-    let more = cos * (20e6 + 0.8 * pressure - shear) / (cos + 0.8 * sin);
-    let most = most / (born[1] + more);
-    assert!((most - 1.0).abs() < 2e-2 && most <= 1.0, "{most}");
-    assert!(glued.is_broken(&law));
-    let taken = lost - lent;
-    // What the peak sinks by in the step in which it is reached is lost, too.
-    assert!((taken / (100.0 * cos) - 1.0).abs() < 1e-6, "{taken}");
+    for friction in [0.0, 0.1, 0.3] {
+        let law = GlueLaw {
+            stiffness: 1e15,
+            contact: 1e15,
+            tangential: 1e15,
+            friction,
+            presses: false,
+            ..law(Softening::Linear)
+        };
+        // In a block under 60 MPa along e, a facet at 40 degrees to it, where the plane that fails first is at 64.3.
+        let [facet, plane] = [40_f64, 64.3].map(f64::to_radians);
+        let (sin, cos) = (plane - facet).sin_cos();
+        let e = [facet.cos(), -facet.sin(), 0.0];
+        let of = |part: f64| e.map(|e| -60e6 * part * e);
+        let limits = GlueLimits {
+            plane: [cos, sin, 0.0],
+            aside: of(facet.cos() - cos * plane.cos()),
+            ..GlueLimits::flat(STRENGTHS, 0.8)
+        };
+        let born = of(facet.cos());
+        assert!(born[0] < 0.0 && born[1] > 0.0);
+        let (mut glued, lent) = rising(&law, born, &limits);
+        assert_eq!(glued.damage(&law), [0.0; 3]);
+        let rubbed = friction * born[0];
+        let lent = lent / AREA
+            - 0.5 * born[0].powi(2) / law.contact
+            - 0.5 * rubbed.powi(2) / law.tangential;
+        let places = [0.0, 1e-6, 1.2e-5].map(|x| Vector3::x() * x);
+        let x = Vector3::x();
+        let (most, first) = led(&mut glued, &law, [places[0], places[1]], &x);
+        let (_, rest) = led(&mut glued, &law, [places[1], places[2]], &x);
+        // Until sliding by more shear makes c + p tan φ of what is on the plane.
+        let [pressure, shear] = [plane.cos().powi(2), plane.sin() * plane.cos()].map(|x| 60e6 * x);
+        let more = cos * (20e6 + 0.8 * pressure - shear) / (cos + 0.8 * sin);
+        let most = most / (born[1] + more);
+        assert!(
+            (most - 1.0).abs() < 2e-2 && most <= 1.0,
+            "{friction} {most}"
+        );
+        assert!(glued.is_broken(&law));
+        let taken = first + rest - lent;
+        assert!(
+            (taken / (100.0 * cos) - 1.0).abs() < 1e-9,
+            "{friction} {taken}"
+        );
+    }
+}
+
+/// A facet under pressure along a principal axis, or one whose faces hold its shear by friction, has nothing in its glue when the plane
+/// that fails, askew to it, does. Slid, it bears and takes its part of what that plane does.
+#[test]
+fn a_facet_without_shear_gives_way_over_no_longer_way_than_others() {
+    for friction in [0.0, 0.6] {
+        let law = GlueLaw {
+            friction,
+            presses: false,
+            ..law(Softening::Linear)
+        };
+        for angle in [0.5_f64, 1.05] {
+            let (sin, cos) = angle.sin_cos();
+            let limits = GlueLimits {
+                plane: [cos, sin, 0.0],
+                ..GlueLimits::flat([5e6, 1e6], 0.1)
+            };
+            // Its part of a pressure along its normal is more than the plane bears.
+            let (mut facet, lent) = rising(&law, [-40e6, 0.0, 0.0], &limits);
+            let springs = 0.5 * 40e6_f64.powi(2) / law.contact;
+            assert!((lent / AREA / springs - 1.0).abs() < 1e-12);
+            // A straight line falls over 2 G/c, from where it rose to.
+            let end = 2.0 * 100.0 / 1e6 * 1.001;
+            let (most, lost) = led(
+                &mut facet,
+                &law,
+                [Vector3::zeros(), Vector3::x() * end],
+                &Vector3::x(),
+            );
+            assert!(facet.is_broken(&law), "{friction} {angle}");
+            let most = (most - friction * 40e6) / (cos * 1e6);
+            assert!((most - 1.0).abs() < 2e-2 && most <= 1.0 + 1e-9, "{most}");
+            assert!((lost / (100.0 * cos) - 1.0).abs() < 1e-9, "{lost}");
+        }
+    }
 }
 
 /// Cut under pressure, and sheared: cohesion and friction bear c + p tan φ, whatever part of it the faces rub by, and the glue takes
@@ -445,43 +493,52 @@ fn a_zigzag_gives_way_in_the_mode_of_its_plane() {
 }
 
 /// Under tension along the normal of the plane that fails, and pressure or tension along that plane, facets of a zigzag carry more
-/// than their part of the tension, some of them under pressure. They give way where that plane does, and take their part of G_I.
+/// than their part of the tension, some of them under pressure and with friction. They give way where that plane does, and take their
+/// part of G_I.
 #[test]
 fn a_zigzag_opens_whatever_the_stress_along_it() {
-    let law = GlueLaw {
-        friction: 0.0,
-        presses: false,
-        ..law(Softening::Linear)
-    };
-    for angle in [0.2_f64, 0.5, 0.9] {
-        let (sin, cos) = angle.sin_cos();
-        for along in [-2.5, -1.0, 0.5] {
-            for (pull, gives_way) in [(0.99, false), (1.01, true)] {
-                // σ = f (pull m m + along s s), where s is in the plane: n = cos m + sin s.
-                let of = |m: f64, s: f64| {
-                    [m * cos + s * sin, m * sin - s * cos, 0.0].map(|t| t * STRENGTHS[0])
-                };
-                let traction = of(pull * cos, along * sin);
-                let limits = GlueLimits {
-                    plane: [cos, sin, 0.0],
-                    aside: of(0.0, along * sin),
-                    ..GlueLimits::flat(STRENGTHS, 0.8)
-                };
-                let (facet, lent) = rising(&law, traction, &limits);
-                let pressure = (-traction[0]).max(0.0);
-                let lent = lent / AREA - 0.5 * pressure * pressure / law.contact;
-                // The axes are z, x and y.
-                let normal = Vector3::new(sin, 0.0, cos);
-                let mut opened = facet.clone();
-                opened.advance(&law, &triangle(), &moved(normal * 1e-9));
-                let is_softer = opened.damage(&law)[0] > 0.0;
-                assert_eq!(is_softer, gives_way, "{angle} {along} {pull}");
-                let (mut facet, way) = (facet, [Vector3::zeros(), normal * 1e-4]);
-                let (_, lost) = led(&mut facet, &law, way, &normal);
-                assert!(facet.is_broken(&law));
-                let taken = (lost - lent) / (20.0 * cos);
-                assert!((taken - 1.0).abs() < 1e-2, "{angle} {along} {taken}");
-            }
+    for friction in [0.0, 0.3] {
+        let law = GlueLaw {
+            friction,
+            presses: false,
+            ..law(Softening::Linear)
+        };
+        for (angle, along, (pull, gives_way)) in [0.2_f64, 0.5, 0.9].into_iter().flat_map(|angle| {
+            [-2.5, -1.0, 0.5].into_iter().flat_map(move |along| {
+                [(0.99, false), (1.01, true)].map(|pulled| (angle, along, pulled))
+            })
+        }) {
+            let (sin, cos) = angle.sin_cos();
+            // σ = f (pull m m + along s s), where s is in the plane: n = cos m + sin s.
+            let of = |m: f64, s: f64| {
+                [m * cos + s * sin, m * sin - s * cos, 0.0].map(|t| t * STRENGTHS[0])
+            };
+            let traction = of(pull * cos, along * sin);
+            let limits = GlueLimits {
+                plane: [cos, sin, 0.0],
+                aside: of(0.0, along * sin),
+                ..GlueLimits::flat(STRENGTHS, 0.8)
+            };
+            let (facet, lent) = rising(&law, traction, &limits);
+            let pressure = (-traction[0]).max(0.0);
+            let rubbed = (friction * pressure).min(traction[1].abs());
+            let lent = lent / AREA
+                - 0.5 * pressure.powi(2) / law.contact
+                - 0.5 * rubbed.powi(2) / law.tangential;
+            // The axes are z, x and y.
+            let normal = Vector3::new(sin, 0.0, cos);
+            let mut opened = facet.clone();
+            opened.advance(&law, &triangle(), &moved(normal * 1e-9));
+            let is_softer = opened.damage(&law)[0] > 0.0;
+            assert_eq!(is_softer, gives_way, "{friction} {angle} {along} {pull}");
+            let (mut facet, way) = (facet, [Vector3::zeros(), normal * 1e-4]);
+            let (_, lost) = led(&mut facet, &law, way, &normal);
+            assert!(facet.is_broken(&law));
+            let taken = (lost - lent) / (20.0 * cos);
+            assert!(
+                (taken - 1.0).abs() < 1e-4,
+                "{friction} {angle} {along} {taken}"
+            );
         }
     }
 }
@@ -701,6 +758,37 @@ fn laws_that_cannot_be_are_refused_by_name() {
         ),
     ] {
         let error = law.check().unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+    }
+    let flat = GlueLimits::flat(STRENGTHS, 0.8);
+    assert!(flat.check().is_ok());
+    for (limits, name) in [
+        (GlueLimits::flat([0.0, 1e6], 0.8), "tensile strength"),
+        (GlueLimits::flat([1e6, f64::NAN], 0.8), "cohesion"),
+        (GlueLimits::flat(STRENGTHS, -0.1), "slope"),
+        (
+            GlueLimits {
+                plane: [0.6, 0.6, 0.0],
+                ..flat
+            },
+            "length of the normal",
+        ),
+        (
+            GlueLimits {
+                plane: [-1.0, 0.0, 0.0],
+                ..flat
+            },
+            "part of glue in its plane",
+        ),
+        (
+            GlueLimits {
+                aside: [0.0, f64::NAN, 0.0],
+                ..flat
+            },
+            "traction of glue along the crack",
+        ),
+    ] {
+        let error = limits.check().unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
     }
 }

@@ -12,7 +12,7 @@ use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"FEMDEMCK";
-pub(crate) const VERSION: u32 = 49;
+pub(crate) const VERSION: u32 = 50;
 const KIND_LENGTH: usize = 16;
 /// Largest state that is written or read, bytes: bounds what a damaged length field can
 /// make the decoder allocate.

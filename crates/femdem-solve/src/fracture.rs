@@ -89,7 +89,8 @@ impl Fracture {
     /// The largest height h of elements, m, with which a new crack is lent no more than a tenth of its energy by opening, h/(2 α l),
     /// and in no mixed mode, of strength P and energy G without pressure, has to fall steeper than it rises: P² h/(2 α E) is at most
     /// G/(1 + 2 s), with the [first slope](Softening::slope) s of the softening, G/2 for a straight line. The least over modes is
-    /// found to a part of about η/256, too low rather than too high.
+    /// found to a part of about η/256, too low rather than too high. This is of facets in the plane that fails: those askew to it carry
+    /// stress along it, too, are lent more, and may take more than G where that is much.
     #[must_use]
     pub fn largest_height(&self, young: f64) -> f64 {
         let strengths = [self.strength.tensile(), self.strength.cohesion()];

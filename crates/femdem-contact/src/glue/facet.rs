@@ -96,13 +96,9 @@ impl Point {
         let [one, two] = [traction[1], traction[2]];
         let rest = [normal.max(0.0), one * (1.0 - share), two * (1.0 - share)];
         let offset = pressure / law.contact;
-        let mut limits = *limits;
-        // Friction has as much of that part of the shear.
-        for shear in &mut limits.aside[1..] {
-            *shear *= 1.0 - share;
-        }
+        let friction = [one, two].map(|shear| shear * share);
         let new = Self {
-            glue: Glue::born(law, rest, offset, &limits),
+            glue: Glue::born(law, rest, friction, offset, limits),
             offset,
             fade: if law.presses { 0.0 } else { offset / FADES },
             normal: 0.0,
@@ -152,6 +148,22 @@ impl Point {
     /// Stretch at which the friction springs slide, m.
     fn longest(law: &GlueLaw, overlap: f64) -> f64 {
         law.friction * law.contact * overlap / law.tangential
+    }
+
+    /// What friction holds at an opening, after it has slid, and the pressure, Pa.
+    fn held(&self, law: &GlueLaw, opening: &[f64; 3]) -> ([f64; 2], f64) {
+        let overlap = self.overlap(law, opening);
+        let stretch = self.slid(law, opening, overlap);
+        (stretch.map(|x| law.tangential * x), law.contact * overlap)
+    }
+
+    /// Stretch of the friction springs at an opening, m: no longer than they slide. Without pressure they let go.
+    fn slid(&self, law: &GlueLaw, opening: &[f64; 3], overlap: f64) -> [f64; 2] {
+        let shear = self.shear(opening);
+        let length = shear[0].hypot(shear[1]);
+        let most = Self::longest(law, overlap);
+        let kept = if length > most { most / length } else { 1.0 };
+        shear.map(|x| x * kept)
     }
 
     /// Whether the friction springs were below it after the last [`GluedFacet::advance`].
@@ -385,10 +397,10 @@ impl GluedFacet {
             let Some(point) = point else {
                 continue;
             };
-            let pressure = law.contact * point.overlap(law, opening);
+            let held = point.held(law, opening);
             if let Some(glue) = &mut point.glue {
                 let stretch = Point::stretch(glue, law, opening);
-                lost.glue += weight * glue.reach(law, &stretch, pressure);
+                lost.glue += weight * glue.reach(law, &stretch, held);
             }
             if point.offset > 0.0 && point.glue.is_none_or(|glue| glue.is_broken(law)) {
                 // The mean of where the faces were and are: with the energy this is the work of the mean force.
@@ -402,12 +414,7 @@ impl GluedFacet {
             }
             point.normal = opening[0];
             let overlap = point.overlap(law, opening);
-            let shear = point.shear(opening);
-            let length = shear[0].hypot(shear[1]);
-            let most = Point::longest(law, overlap);
-            // Without pressure the springs let go.
-            let kept = if length > most { most / length } else { 1.0 };
-            let stretch = shear.map(|x| x * kept);
+            let stretch = point.slid(law, opening, overlap);
             for i in 0..2 {
                 // The mean of the friction before and now, over the slip: with the energy of the springs this is the work of
                 // the mean force.

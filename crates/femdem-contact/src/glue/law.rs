@@ -51,14 +51,15 @@ pub(super) fn inverse_square([tensile, cohesion]: [f64; 2], s: f64) -> f64 {
 pub struct GlueLimits {
     /// Tensile strength f_t and cohesion c, Pa.
     pub strengths: [f64; 2],
-    /// Tangent of the angle of internal friction φ. What it is more than the friction of the faces, the glue bears by cohesion,
-    /// so that they bear c + p tan φ together under a pressure p on the plane that fails.
+    /// Tangent of the angle of internal friction φ: glue and friction bear c + p tan φ together under a pressure p on the plane
+    /// that fails.
     pub slope: f64,
-    /// Unit normal m of the plane that fails, in the axes of the facet, n first; n·m is not negative. The facet opens where its
-    /// traction pulls along m, and slides by what is across, and bears and takes its part n·m of what that plane does.
+    /// Unit normal m of the plane that fails, in the axes of the facet, n first; n·m is not negative. What the facet's traction is
+    /// along m opens that plane, and what is across slides it; of its strength and its energy the facet has the part n·m.
     pub plane: [f64; 3],
     /// What the facet carries as it is askew, in its axes, Pa: the traction σ (n − (n·m) m) of the stress along the plane that fails, at
-    /// birth. The facets of a zigzag carry it in turn; it neither opens the crack nor slides it.
+    /// birth. The facets of a zigzag carry it in turn; it neither opens the crack nor slides it. What of that stress changes later
+    /// does count.
     pub aside: [f64; 3],
 }
 
@@ -78,8 +79,8 @@ impl GlueLimits {
     ///
     /// # Errors
     ///
-    /// [`ContactError::Parameter`] for strengths that are not positive and finite, a slope that is negative or not finite, and a
-    /// normal that is no unit or points to the other side, or a traction that is not finite.
+    /// [`ContactError::Parameter`] for strengths that are not positive and finite, a slope that is negative or not finite, a normal
+    /// that is no unit or points to the other side, and a traction that is not finite.
     pub fn check(&self) -> Result<(), ContactError> {
         for (name, value) in ["tensile strength of glue", "cohesion of glue"]
             .into_iter()
@@ -95,8 +96,15 @@ impl GlueLimits {
         let flat = self.plane[0];
         let allowed = "at least 0: the normal points to the second side";
         check("part of glue in its plane", flat, flat >= 0.0, allowed)?;
-        let aside = square(&self.aside);
-        check("traction of glue askew", aside, true, "finite, in Pa")
+        for traction in self.aside {
+            check(
+                "traction of glue along the crack",
+                traction,
+                true,
+                "finite, in Pa",
+            )?;
+        }
+        Ok(())
     }
 
     /// The same where strengths are a multiple.
@@ -106,7 +114,7 @@ impl GlueLimits {
         self
     }
 
-    /// How the plane that fails is driven where the facet has this traction in its glue and is under a pressure, Pa.
+    /// How the plane that fails is driven where the facet has this traction in its glue and its friction and is under a pressure, Pa.
     fn driving(&self, traction: &[f64; 3], pressure: f64) -> Driving {
         let mut rest = [0, 1, 2].map(|i| traction[i] - self.aside[i]);
         rest[0] -= pressure;
@@ -121,24 +129,19 @@ impl GlueLimits {
         }
     }
 
-    /// Traction at which it gives way so driven, Pa.
-    fn peak(&self, law: &GlueLaw, driving: &Driving) -> f64 {
-        if driving.pressure > 0.0 {
-            let rest = (self.slope - law.friction).max(0.0) * driving.pressure;
-            self.plane[0] * self.strengths[1] + rest
-        } else {
-            self.plane[0] * mixed_strength(self.strengths, driving.sliding)
-        }
+    /// What drives it when it gives way, without pressure, Pa: its part of the strength.
+    fn strength(&self, driving: &Driving) -> f64 {
+        self.plane[0] * mixed_strength(self.strengths, driving.sliding)
     }
 }
 
-/// What opens and slides the crack, by the facet: in the plane that fails, times its part of that, Pa.
+/// What opens and slides the crack, by the facet: the traction on the plane that fails, times the facet's part n·m of that, Pa.
 struct Driving {
-    /// What pulls along the normal of the plane and what is across.
+    /// The norm of what pulls along the normal of the plane and of what is across.
     traction: f64,
-    /// The part of sliding in it, squared: of what is across. All of it, where the plane is pushed shut.
+    /// The square of what is across over that of this norm: the part of sliding. 1 where the plane is pushed shut.
     sliding: f64,
-    /// What pushes it shut.
+    /// What pushes the plane shut.
     pressure: f64,
 }
 
@@ -209,8 +212,7 @@ struct Rise {
 
 /// How glue gives way.
 struct GivesWay {
-    /// What it carries then, and the peak in its mode, Pa.
-    traction: f64,
+    /// The traction from which it falls, above 0, Pa.
     peak: f64,
     /// The part of sliding.
     sliding: f64,
@@ -232,24 +234,31 @@ fn square(traction: &[f64; 3]) -> f64 {
 }
 
 impl Glue {
-    /// Glue born under a traction T (Pa), whose normal part is not negative, where the contact of the faces has to open by `gap`
-    /// (m) until it presses them no more. It is on the elastic branch of its law, so no force jumps, and gives way at once if T is
-    /// beyond the limits. `None` for a facet across the plane that fails which carries nothing.
-    pub fn born(law: &GlueLaw, traction: [f64; 3], gap: f64, limits: &GlueLimits) -> Option<Self> {
+    /// Glue born under a traction T (Pa), whose normal part is not negative, beside friction (Pa), where the contact of the faces has
+    /// to open by `gap` (m) until it presses them no more. It is on the elastic branch of its law, so no force jumps, and gives way
+    /// at once if the facet is beyond its limits. `None` for a facet across the plane that fails which carries nothing.
+    pub fn born(
+        law: &GlueLaw,
+        traction: [f64; 3],
+        friction: [f64; 2],
+        gap: f64,
+        limits: &GlueLimits,
+    ) -> Option<Self> {
+        // There is nothing before it: it falls from where it is.
+        let last = square(&traction).sqrt() / law.stiffness;
         let mut glue = Self {
             traction,
             stage: Stage::Rises(Rise {
                 limits: *limits,
-                last: square(&traction).sqrt() / law.stiffness,
+                last,
             }),
         };
         if gap > 0.0 {
             glue.traction[0] = -law.stiffness * gap;
         }
-        if let Some(now) = Self::onset(law, limits, &traction, gap * law.contact) {
-            // From where it is.
-            let fall = glue.fall(law, limits, now.traction, now.sliding);
-            glue.stage = Stage::Falls(fall);
+        let pressure = gap * law.contact;
+        if let Some(now) = Self::onset(law, limits, last, &traction, (friction, pressure)) {
+            glue.stage = Stage::Falls(glue.fall(law, limits, &now));
         }
         let bears = limits.plane[0] > 0.0 || matches!(glue.stage, Stage::Falls(_));
         bears.then_some(glue)
@@ -264,23 +273,40 @@ impl Glue {
         }
     }
 
-    /// How it gives way at these limits under an elastic traction and a pressure, Pa, if it does.
+    /// How it gives way at these limits under an elastic traction, beside friction and a pressure (Pa), if it does; at λ = `last` (m)
+    /// it has not.
+    ///
+    /// It falls from the traction at which it reached its limits, that on the way to zero at which the facet is driven as much as it
+    /// bears; from what it bore at the last step, if that is more, so that no force jumps however long a step is. A facet to which
+    /// pressure and friction left less than its part of the strength rises to that first: it falls over no longer way than others.
     fn onset(
         law: &GlueLaw,
         limits: &GlueLimits,
+        last: f64,
         elastic: &[f64; 3],
-        pressure: f64,
+        (friction, pressure): ([f64; 2], f64),
     ) -> Option<GivesWay> {
+        let all = [
+            elastic[0],
+            elastic[1] + friction[0],
+            elastic[2] + friction[1],
+        ];
+        let driving = limits.driving(&all, pressure);
+        let strength = limits.strength(&driving);
+        let bears = strength + limits.slope * driving.pressure;
+        if driving.traction < bears {
+            return None;
+        }
         let traction = square(elastic).sqrt();
-        let driving = limits.driving(elastic, pressure);
-        let peak = limits.peak(law, &driving);
-        (traction > 0.0 && driving.traction >= peak).then(|| GivesWay {
-            traction,
-            peak: if driving.traction > 0.0 {
-                traction * (peak / driving.traction)
-            } else {
-                traction
-            },
+        let reached = if driving.traction > 0.0 {
+            traction * (bears / driving.traction)
+        } else {
+            traction
+        };
+        let before = (law.stiffness * last).min(traction);
+        let peak = reached.max(before).max(strength);
+        (peak > 0.0).then_some(GivesWay {
+            peak,
             sliding: driving.sliding,
         })
     }
@@ -294,7 +320,8 @@ impl Glue {
     /// [`Softening`]: elements beside it, whose stiffness k is, could not follow. Where E is more for that, it takes more than G: a
     /// facet across the plane that fails, which carries more than its part of it, one of elements too coarse for their strength, and
     /// one that pressure makes as strong.
-    fn fall(&self, law: &GlueLaw, limits: &GlueLimits, peak: f64, sliding: f64) -> Fall {
+    fn fall(&self, law: &GlueLaw, limits: &GlueLimits, now: &GivesWay) -> Fall {
+        let GivesWay { peak, sliding } = *now;
         let [normal, one, two] = self.traction;
         let lent = 0.5 * square(&[normal.max(0.0), one, two]) / law.stiffness;
         let risen = 0.5 * peak * peak / law.stiffness;
@@ -335,18 +362,14 @@ impl Glue {
         stage && self.traction.iter().all(|x| x.is_finite())
     }
 
-    /// Keeps the opening of its spring (m) at which it is now under a pressure (Pa), and returns what that dissipates, J/m².
-    pub fn reach(&mut self, law: &GlueLaw, stretch: &[f64; 3], pressure: f64) -> f64 {
+    /// Keeps the opening of its spring (m) at which it is now, beside friction and under a pressure (Pa), and returns what that
+    /// dissipates, J/m².
+    pub fn reach(&mut self, law: &GlueLaw, stretch: &[f64; 3], beside: ([f64; 2], f64)) -> f64 {
         let lambda = square(stretch).sqrt();
-        let mut lost = 0.0;
         if let Stage::Rises(Rise { limits, last }) = self.stage {
             let elastic = stretch.map(|x| law.stiffness * x);
-            self.stage = match Self::onset(law, &limits, &elastic, pressure) {
-                Some(now) => {
-                    let fall = self.fall(law, &limits, now.peak, now.sliding);
-                    lost = fall.sunk(law, last.min(lambda));
-                    Stage::Falls(fall)
-                }
+            self.stage = match Self::onset(law, &limits, last, &elastic, beside) {
+                Some(now) => Stage::Falls(self.fall(law, &limits, &now)),
                 None => Stage::Rises(Rise {
                     limits,
                     last: lambda,
@@ -355,7 +378,7 @@ impl Glue {
         }
         match &mut self.stage {
             Stage::Rises(_) => 0.0,
-            Stage::Falls(fall) => lost + fall.reach(law, lambda),
+            Stage::Falls(fall) => fall.reach(law, lambda),
         }
     }
 }
@@ -384,20 +407,6 @@ impl Fall {
         0.5 * self.peak * self.peak / law.stiffness
             + self.energy * law.softening.area(self.beyond(law))
             - 0.5 * self.strength(law) * self.largest
-    }
-
-    /// What a spring on the elastic branch loses that was stretched to λ before the peak sank below it with the mode, J/m²:
-    /// ∫ (k λ' − t) dλ' from the peak to λ.
-    fn sunk(&self, law: &GlueLaw, lambda: f64) -> f64 {
-        if lambda <= self.largest {
-            return 0.0;
-        }
-        let there = Self {
-            largest: lambda,
-            ..*self
-        };
-        let softened = there.dissipated(law) + 0.5 * there.strength(law) * lambda;
-        0.5 * law.stiffness * lambda * lambda - softened
     }
 
     /// Keeps the largest λ, and returns what that dissipates, J/m².

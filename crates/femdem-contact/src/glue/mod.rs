@@ -6,11 +6,12 @@
 //! w = ½ S(λ_max) λ² + ½ k_c ⟨g − δ_n⟩² + ½ k_t |δ_t − s|²,   λ² = ⟨δ_n + t_n/k⟩² + |δ_t + τ/k|²
 //!
 //! - The **glue** is born with the traction (t_n, τ) that the facet carries when it is cut, so that nothing jumps: elastic, S = k,
-//!   until its traction reaches its [limits](GlueLimits), at once if it is cut beyond them. The mode that it has *then* stays. From
-//!   there on S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals, and breaking takes exactly G
-//!   of that mode per area, whatever it was born with, unless its peak is too high for that (pressed, or of coarse elements), so
-//!   that it would fall steeper than it rises. All of it is born when the first node of the facet splits; a node that does not has
-//!   no opening.
+//!   until the plane that fails reaches its [limits](GlueLimits), at once if it is cut beyond them. The mode that it has *then* stays.
+//!   From there on S = T(λ_max)/λ_max falls with the largest λ so far, along a [`Softening`]; it never heals, and breaking takes
+//!   exactly G of that mode per area, times the part n·m that the facet has of that plane, whatever it was born with, unless its
+//!   peak is too high for that (pressed, askew, or of coarse elements), so that it would fall steeper than it rises. What it carried
+//!   at birth of the stress [along](GlueLimits::aside) that plane counts neither for the limit nor for the mode. All of it is born
+//!   when the first node of the facet splits; a node that does not has no opening.
 //!   Born under pressure, it has no normal traction before the faces have opened so far that they no longer press: g for t_n = −k g.
 //! - The **contact** of the faces, of stiffness k_c, is born with the pressure that the facet carries (g), and with friction that
 //!   carries as much of the shear as it can. Where another law [presses](GlueLaw::presses) faces that overlap, the spring only

@@ -23,6 +23,9 @@ const RISE: f64 = 4e-4;
 /// After that it grows by this part of that load in a second, by half a hundredth while a wave crosses the disc.
 const RATE: f64 = 300.0;
 
+/// For this long, s.
+const LAST: f64 = 5e-3;
+
 /// What came out; loads are over the one whose tension at the centre is the strength.
 pub struct Disc {
     pub tets: usize,
@@ -52,7 +55,7 @@ fn pressure() -> f64 {
 fn course() -> Curve {
     let early = (0..=20).map(|k| f64::from(k) / 20.0);
     let early = early.map(|t| [t * RISE, 0.85 * 0.5 * (1.0 - (PI * t).cos())]);
-    let late = [RISE + 5e-3, 0.85 + RATE * 5e-3];
+    let late = [RISE + LAST, 0.85 + RATE * LAST];
     let points: Vec<_> = early.chain([late]).collect();
     Curve::factors(pressure(), &points)
 }
@@ -170,6 +173,8 @@ pub fn split(cells: u32, energies: [f64; 2]) -> Result<Disc, Box<dyn Error>> {
             elastic = shorter / load;
         } else if shorter > 1.5 * elastic * load {
             break;
+        } else if world.time() > RISE + LAST {
+            return Err("the disc holds".into());
         }
         if first.is_none() {
             first = facets(&world, body).iter().find_map(|f| {

@@ -2,7 +2,7 @@
 
 use super::Breakable;
 use super::cracks::CrackState;
-use super::joints::{Joint, in_axes};
+use super::joints::Joint;
 use crate::error::SolveError;
 use crate::fracture::Fracture;
 use crate::halo::Halo;
@@ -138,7 +138,7 @@ impl World {
 
 /// The limits of a facet that is cut, whose corners are at these places, m. In tension along d a facet askew carries less than the
 /// strength, T = |n·d| f, and all of them open equally far: the facets of a zigzag bear and take what the plane that fails does, in the
-/// mode of that plane, and each the part that it has of it. What they carry [askew](aside) is known when they open.
+/// mode of that plane, and each the part that it has of it. What they carry of the stress [along](carried) it is known when they open.
 fn limits(
     fracture: &Fracture,
     cut: &Cut,
@@ -156,16 +156,15 @@ fn limits(
     Ok(limits)
 }
 
-/// The traction, in the axes of a facet, of the stress along the plane that fails, Pa: σ (n − (n·m) m), whose sum over a zigzag without
-/// overhangs is zero.
-fn aside(limits: &GlueLimits, triangle: &[Vector3; 3], stress: &Matrix3) -> Option<[f64; 3]> {
-    let axes = MidSurface::new(triangle, triangle)?.axes;
-    let plane: Vector3 = axes
-        .iter()
-        .zip(limits.plane)
-        .map(|(axis, m)| axis * m)
-        .sum();
-    in_axes(triangle, |n| stress * (n - plane * n.dot(&plane)))
+/// What a facet of these axes carries of a stress (Pa), in them: its traction σ n, and the part of that of the stress along the plane
+/// that fails, σ (n − (n·m) m), whose sum over a zigzag without overhangs is zero.
+fn carried(axes: &[Vector3; 3], plane: [f64; 3], stress: &Matrix3) -> [[f64; 3]; 2] {
+    let normal = &axes[0];
+    let across: Vector3 = axes.iter().zip(plane).map(|(axis, m)| axis * m).sum();
+    [*normal, normal - across * normal.dot(&across)].map(|n| {
+        let traction = stress * n;
+        axes.map(|axis| axis.dot(&traction))
+    })
 }
 
 /// What the faces of a crack have of the body.
@@ -333,7 +332,7 @@ impl CrackState {
             return Ok(());
         }
         // Where elements are higher than meshes may have them in the mean, glue is as stiff as at that height, so that no mode without
-        // pressure rises beyond its energy.
+        // pressure rises beyond its energy in the plane that fails.
         let most = if fracture.coarse {
             f64::INFINITY
         } else {
@@ -392,13 +391,62 @@ impl CrackState {
                     .norm();
             let grown = now / joint.glued.area();
             let mean = mean * grown;
-            if let Some(traction) = in_axes(&middle, |normal| mean * normal) {
-                joint.limits.aside = aside(&joint.limits, &middle, &mean).unwrap_or_default();
+            if let Some(surface) = MidSurface::new(&middle, &middle) {
+                let [traction, aside] = carried(&surface.axes, joint.limits.plane, &mean);
+                let limits = GlueLimits {
+                    aside,
+                    ..joint.limits
+                };
                 let own = first.map(|node| factors[self.mesh.points()[node as usize] as usize]);
-                let lent = joint.glued.join(&joint.law, traction, &joint.limits, own);
+                let lent = joint.glued.join(&joint.law, traction, &limits, own);
                 self.flows.lent += lent;
                 joint.taken -= lent;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use femdem_mesh::Rotation;
+
+    const STRESS: [f64; 9] = [5e6, 1e6, -2e6, 1e6, -15e6, 3e6, -2e6, 3e6, 4e6];
+
+    fn axes_of(triangle: [Vector3; 3]) -> [Vector3; 3] {
+        MidSurface::new(&triangle, &triangle)
+            .expect("it has an area")
+            .axes
+    }
+
+    /// The facets of a zigzag, here the sides of a pyramid over a square, carry together the traction of the plane that fails: what each
+    /// has of the stress along that plane adds up to nothing, and the rest is its part of the plane's.
+    #[test]
+    fn a_zigzag_carries_what_its_plane_does() {
+        let stress = Matrix3::from_row_slice(&STRESS);
+        let turn = Rotation::from_scaled_axis(Vector3::new(0.4, -1.1, 0.7));
+        let m = turn * Vector3::z();
+        let base = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        let base = base.map(|(x, y)| turn * Vector3::new(x, y, 0.0));
+        let peak = turn * Vector3::new(0.3, -0.2, 1.4);
+        let (mut along, mut rest) = (Vector3::zeros(), Vector3::zeros());
+        for k in 0..4 {
+            let triangle = [base[k], base[(k + 1) % 4], peak];
+            let area = 0.5
+                * (triangle[1] - triangle[0])
+                    .cross(&(triangle[2] - triangle[0]))
+                    .norm();
+            let axes = axes_of(triangle);
+            let plane = axes.map(|axis| axis.dot(&m));
+            let [traction, aside] = carried(&axes, plane, &stress);
+            // The other way of the normal of the plane is the same.
+            assert_eq!(carried(&axes, plane.map(|x| -x), &stress)[1], aside);
+            for (i, axis) in axes.iter().enumerate() {
+                along += axis * (aside[i] * area);
+                rest += axis * ((traction[i] - aside[i]) * area);
+            }
+        }
+        assert!(along.norm() < 1e-6, "{along}");
+        assert!((rest - stress * m * 4.0).norm() < 1e-6, "{rest}");
     }
 }

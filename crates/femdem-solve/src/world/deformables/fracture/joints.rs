@@ -1,6 +1,6 @@
 //! Facets that a crack has cut and that glue, or the pressure of their birth, still joins.
 
-use femdem_contact::glue::{GlueLaw, GlueLimits, GluedFacet, GluedForces, MidSurface};
+use femdem_contact::glue::{GlueLaw, GlueLimits, GluedFacet, GluedForces};
 use femdem_fem::fracture::FractureMode;
 use femdem_mesh::Vector3;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub(crate) struct Joint {
     /// When it was cut, s.
     pub birth: f64,
     pub mode: FractureMode,
-    /// What its glue bears, but for the factors of the strength at its nodes.
+    /// What its glue bears, but for the factors of the strength at its nodes and the stress along the plane that fails.
     pub limits: GlueLimits,
     /// When nothing of its glue was left, s.
     pub end: Option<f64>,
@@ -47,14 +47,4 @@ impl Joint {
             }
         }
     }
-}
-
-/// A traction (Pa) in the axes of the triangle that it acts on.
-pub(super) fn in_axes(
-    triangle: &[Vector3; 3],
-    traction: impl Fn(&Vector3) -> Vector3,
-) -> Option<[f64; 3]> {
-    let middle = MidSurface::new(triangle, triangle)?;
-    let traction = traction(&middle.axes[0]);
-    Some(middle.axes.map(|axis| axis.dot(&traction)))
 }
