@@ -174,10 +174,11 @@ impl Itself<'_> {
 /// Cuts the common part of two tetrahedra into `piece`; `None` if it is no more than round-off, otherwise whether faces of both may
 /// coincide.
 fn common_part(a: &Posed, b: &Posed, piece: &mut Piece) -> Option<bool> {
-    let least = SPECK * a.volume().min(b.volume());
+    let volumes = [a, b].map(Posed::volume);
+    let least = SPECK * volumes[0].min(volumes[1]);
     // What is cut out has errors of its own, far smaller than a speck.
     let surely = 0.5 * least;
-    if a.most_under(b) < surely || b.most_under(a) < surely {
+    if a.part_under(b) * volumes[1] < surely || b.part_under(a) * volumes[0] < surely {
         return None;
     }
     let flush = intersect(a, b, piece)?;

@@ -1,6 +1,6 @@
 //! A cut facet whose sides still hold, press and rub.
 
-use super::law::Glue;
+use super::law::{Glue, Held};
 use super::{GlueLaw, GlueLimits, MidSurface};
 use crate::error::{ContactError, check};
 use femdem_mesh::Vector3;
@@ -96,17 +96,20 @@ impl Point {
         let [one, two] = [traction[1], traction[2]];
         let rest = [normal.max(0.0), one * (1.0 - share), two * (1.0 - share)];
         let offset = pressure / law.contact;
-        let friction = [one, two].map(|shear| shear * share);
+        let held = Held {
+            friction: [one, two].map(|shear| shear * share),
+            pressure,
+        };
         let new = Self {
-            glue: Glue::born(law, rest, friction, offset, limits),
+            glue: Glue::born(law, rest, held, limits),
             offset,
             fade: if law.presses { 0.0 } else { offset / FADES },
             normal: 0.0,
             slip: [one, two].map(|shear| -shear * share / law.tangential),
             stretch: [one, two].map(|shear| shear * share / law.tangential),
         };
-        let held = rest.iter().map(|t| t * t).sum::<f64>();
-        let springs = held / law.stiffness
+        let glued = rest.iter().map(|t| t * t).sum::<f64>();
+        let springs = glued / law.stiffness
             + pressure * pressure / law.contact
             + rubbed * rubbed / law.tangential;
         (new, 0.5 * springs)
@@ -150,11 +153,14 @@ impl Point {
         law.friction * law.contact * overlap / law.tangential
     }
 
-    /// What friction holds at an opening, after it has slid, and the pressure, Pa.
-    fn held(&self, law: &GlueLaw, opening: &[f64; 3]) -> ([f64; 2], f64) {
+    /// What the faces hold at an opening, after they have slid.
+    fn held(&self, law: &GlueLaw, opening: &[f64; 3]) -> Held {
         let overlap = self.overlap(law, opening);
         let stretch = self.slid(law, opening, overlap);
-        (stretch.map(|x| law.tangential * x), law.contact * overlap)
+        Held {
+            friction: stretch.map(|x| law.tangential * x),
+            pressure: law.contact * overlap,
+        }
     }
 
     /// Stretch of the friction springs at an opening, m: no longer than they slide. Without pressure they let go.

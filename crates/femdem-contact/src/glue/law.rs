@@ -210,6 +210,14 @@ struct Rise {
     last: f64,
 }
 
+/// What the faces of a point hold beside its glue, Pa.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Held {
+    /// By friction, along the two axes in the facet.
+    pub friction: [f64; 2],
+    pub pressure: f64,
+}
+
 /// How glue gives way.
 struct GivesWay {
     /// The traction from which it falls, above 0, Pa.
@@ -234,14 +242,13 @@ fn square(traction: &[f64; 3]) -> f64 {
 }
 
 impl Glue {
-    /// Glue born under a traction T (Pa), whose normal part is not negative, beside friction (Pa), where the contact of the faces has
-    /// to open by `gap` (m) until it presses them no more. It is on the elastic branch of its law, so no force jumps, and gives way
-    /// at once if the facet is beyond its limits. `None` for a facet across the plane that fails which carries nothing.
+    /// Glue born under a traction T (Pa), whose normal part is not negative, between faces that hold the rest. It is on the elastic
+    /// branch of its law, so no force jumps, and gives way at once if the facet is beyond its limits. `None` for a facet across the
+    /// plane that fails which carries nothing.
     pub fn born(
         law: &GlueLaw,
         traction: [f64; 3],
-        friction: [f64; 2],
-        gap: f64,
+        held: Held,
         limits: &GlueLimits,
     ) -> Option<Self> {
         // There is nothing before it: it falls from where it is.
@@ -253,11 +260,11 @@ impl Glue {
                 last,
             }),
         };
-        if gap > 0.0 {
-            glue.traction[0] = -law.stiffness * gap;
+        if held.pressure > 0.0 {
+            // The faces have to open so far until they press each other no more.
+            glue.traction[0] = -law.stiffness * (held.pressure / law.contact);
         }
-        let pressure = gap * law.contact;
-        if let Some(now) = Self::onset(law, limits, last, &traction, (friction, pressure)) {
+        if let Some(now) = Self::onset(law, limits, last, &traction, held) {
             glue.stage = Stage::Falls(glue.fall(law, limits, &now));
         }
         let bears = limits.plane[0] > 0.0 || matches!(glue.stage, Stage::Falls(_));
@@ -273,25 +280,25 @@ impl Glue {
         }
     }
 
-    /// How it gives way at these limits under an elastic traction, beside friction and a pressure (Pa), if it does; at λ = `last` (m)
-    /// it has not.
+    /// How it gives way at these limits under an elastic traction (Pa), if it does; at λ = `last` (m) it has not.
     ///
-    /// It falls from the traction at which it reached its limits, that on the way to zero at which the facet is driven as much as it
-    /// bears; from what it bore at the last step, if that is more, so that no force jumps however long a step is. A facet to which
-    /// pressure and friction left less than its part of the strength rises to that first: it falls over no longer way than others.
+    /// It falls from its traction less the part by which the facet is driven beyond what it bears; from what it bore at the last step,
+    /// if that is more, so that no force jumps however long a step is. A facet to which pressure and friction left less than its part
+    /// of the strength rises to that first: it falls over no longer way than others.
     fn onset(
         law: &GlueLaw,
         limits: &GlueLimits,
         last: f64,
         elastic: &[f64; 3],
-        (friction, pressure): ([f64; 2], f64),
+        held: Held,
     ) -> Option<GivesWay> {
+        let friction = held.friction;
         let all = [
             elastic[0],
             elastic[1] + friction[0],
             elastic[2] + friction[1],
         ];
-        let driving = limits.driving(&all, pressure);
+        let driving = limits.driving(&all, held.pressure);
         let strength = limits.strength(&driving);
         let bears = strength + limits.slope * driving.pressure;
         if driving.traction < bears {
@@ -362,13 +369,12 @@ impl Glue {
         stage && self.traction.iter().all(|x| x.is_finite())
     }
 
-    /// Keeps the opening of its spring (m) at which it is now, beside friction and under a pressure (Pa), and returns what that
-    /// dissipates, J/m².
-    pub fn reach(&mut self, law: &GlueLaw, stretch: &[f64; 3], beside: ([f64; 2], f64)) -> f64 {
+    /// Keeps the opening of its spring (m) at which it is now, between faces that hold the rest, and returns what that dissipates, J/m².
+    pub fn reach(&mut self, law: &GlueLaw, stretch: &[f64; 3], held: Held) -> f64 {
         let lambda = square(stretch).sqrt();
         if let Stage::Rises(Rise { limits, last }) = self.stage {
             let elastic = stretch.map(|x| law.stiffness * x);
-            self.stage = match Self::onset(law, &limits, last, &elastic, beside) {
+            self.stage = match Self::onset(law, &limits, last, &elastic, held) {
                 Some(now) => Stage::Falls(self.fall(law, &limits, &now)),
                 None => Stage::Rises(Rise {
                     limits,

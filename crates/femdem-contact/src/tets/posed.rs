@@ -105,9 +105,9 @@ impl Posed {
         gap
     }
 
-    /// The volume of another tetrahedron under one of the faces, the least of those under which one corner of it lies and no more;
-    /// infinite if there is none, m³. The two have no more than that in common.
-    pub fn most_under(&self, other: &Self) -> f64 {
+    /// The part of the volume of another tetrahedron that lies under one of the faces, the least of those under which one corner of it
+    /// lies and no more; infinite if there is none. The two have no more than that in common.
+    pub fn part_under(&self, other: &Self) -> f64 {
         let mut least = f64::INFINITY;
         for k in 0..4 {
             let depths = other.corners.map(|x| self.depth(k, &x));
@@ -131,7 +131,7 @@ impl Posed {
                 least = if part < least { part } else { least };
             }
         }
-        least * other.volume()
+        least
     }
 
     /// The motion of the corners towards each other, m, up to which a face separates two tetrahedra with common corners, which stay
@@ -381,7 +381,7 @@ mod tests {
             let (Some(a), Some(b)) = (build(away), build(-away)) else {
                 continue;
             };
-            let most = a.most_under(&b);
+            let most = a.part_under(&b) * b.volume();
             if most.is_finite() {
                 bounded += 1;
                 if intersect(&a, &b, &mut piece).is_some() {
@@ -407,9 +407,9 @@ mod tests {
         ]);
         intersect(&wide, &peak, &mut piece).expect("they meet");
         let common = piece.moments_and_faces(0, &mut 0, |_, _| ()).volume;
-        let most = wide.most_under(&peak);
+        let most = wide.part_under(&peak) * peak.volume();
         assert!((most / common - 1.0).abs() < 1e-9, "{most} {common}");
-        assert!(peak.most_under(&wide) > most);
+        assert!(peak.part_under(&wide) * wide.volume() > most);
     }
 
     /// A corner over a face: the plane of the face gives the distance.

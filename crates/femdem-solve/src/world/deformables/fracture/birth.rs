@@ -138,7 +138,7 @@ impl World {
 
 /// The limits of a facet that is cut, whose corners are at these places, m. In tension along d a facet askew carries less than the
 /// strength, T = |n·d| f, and all of them open equally far: the facets of a zigzag bear and take what the plane that fails does, in the
-/// mode of that plane, and each the part that it has of it. What they carry of the stress [along](carried) it is known when they open.
+/// mode of that plane, and each the part that it has of it. What they [carry](carried) of the stress along that plane is known when they open.
 fn limits(
     fracture: &Fracture,
     cut: &Cut,
@@ -413,12 +413,6 @@ mod tests {
 
     const STRESS: [f64; 9] = [5e6, 1e6, -2e6, 1e6, -15e6, 3e6, -2e6, 3e6, 4e6];
 
-    fn axes_of(triangle: [Vector3; 3]) -> [Vector3; 3] {
-        MidSurface::new(&triangle, &triangle)
-            .expect("it has an area")
-            .axes
-    }
-
     /// The facets of a zigzag, here the sides of a pyramid over a square, carry together the traction of the plane that fails: what each
     /// has of the stress along that plane adds up to nothing, and the rest is its part of the plane's.
     #[test]
@@ -436,7 +430,8 @@ mod tests {
                 * (triangle[1] - triangle[0])
                     .cross(&(triangle[2] - triangle[0]))
                     .norm();
-            let axes = axes_of(triangle);
+            let surface = MidSurface::new(&triangle, &triangle).expect("it has an area");
+            let axes = surface.axes;
             let plane = axes.map(|axis| axis.dot(&m));
             let [traction, aside] = carried(&axes, plane, &stress);
             // The other way of the normal of the plane is the same.
