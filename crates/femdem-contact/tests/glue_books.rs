@@ -82,7 +82,10 @@ proptest! {
         let softening = [Softening::Linear, Softening::Exponential, Softening::Bilinear][which];
         let law = GlueLaw { presses, ..law(softening) };
         let (mut facet, _) = rising(&law, born, &limits);
-        facet.advance(&law, &past[0], &past[1]);
+        let mut at_once = facet.clone();
+        let lost = facet.advance(&law, &past[0], &past[1]);
+        let there = facet.forces(&law, &past[0], &past[1]);
+        prop_assert_eq!(at_once.step(&law, &past[0], &past[1]), (lost, there));
         let now = facet.forces(&law, &at[0], &at[1]);
         let largest = now.on.iter().flatten().map(Vector3::norm).fold(1e-9, f64::max);
         let sum: Vector3 = now.on.iter().flatten().sum();

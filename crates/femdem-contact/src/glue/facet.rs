@@ -346,14 +346,27 @@ impl GluedFacet {
     /// first: what has slid and softened up to there. Nothing for a facet whose mid-surface has lost its area.
     #[must_use]
     pub fn forces(&self, law: &GlueLaw, a: &[Vector3; 3], b: &[Vector3; 3]) -> GluedForces {
-        let mut found = GluedForces::default();
-        let Some(middle) = MidSurface::new(a, b) else {
-            return found;
-        };
-        let (slopes, glue, contact) = self.slopes(law, &inside(&middle.openings(a, b)));
-        [found.glue, found.contact] = [glue, contact];
-        found.on = middle.forces(a, b, &inside(&slopes));
-        found
+        let middle = MidSurface::new(a, b);
+        middle.map_or_else(GluedForces::default, |middle| {
+            self.pull(law, &middle, a, b, &inside(&middle.openings(a, b)))
+        })
+    }
+
+    /// Forces and energies at the openings of the points between two sides, m.
+    fn pull(
+        &self,
+        law: &GlueLaw,
+        middle: &MidSurface,
+        a: &[Vector3; 3],
+        b: &[Vector3; 3],
+        openings: &Openings,
+    ) -> GluedForces {
+        let (slopes, glue, contact) = self.slopes(law, openings);
+        GluedForces {
+            on: middle.forces(a, b, &inside(&slopes)),
+            glue,
+            contact,
+        }
     }
 
     /// Derivatives of the energy by the openings of the points, N, and the energies of the glue and of the contact, J.
@@ -393,6 +406,21 @@ impl GluedFacet {
         middle.map_or_else(GlueLoss::default, |middle| {
             self.follow(law, &inside(&middle.openings(a, b)))
         })
+    }
+
+    /// [`advance`](Self::advance), and then [`forces`](Self::forces).
+    pub fn step(
+        &mut self,
+        law: &GlueLaw,
+        a: &[Vector3; 3],
+        b: &[Vector3; 3],
+    ) -> (GlueLoss, GluedForces) {
+        let Some(middle) = MidSurface::new(a, b) else {
+            return Default::default();
+        };
+        let openings = inside(&middle.openings(a, b));
+        let lost = self.follow(law, &openings);
+        (lost, self.pull(law, &middle, a, b, &openings))
     }
 
     /// [`advance`](Self::advance) by the openings of the points, m.

@@ -107,7 +107,8 @@ impl DeformableModel {
     ) -> Result<Vec<ElementStress>, ElementFailure> {
         let mut next = vec![0.0; self.history_stride];
         let (elements, _) = self.connectivity.as_chunks::<N>();
-        let of_element = |(e, nodes): (usize, &[u32; N])| {
+        let mut all = Vec::with_capacity(elements.len());
+        for (e, nodes) in elements.iter().enumerate() {
             let points = self.points(table, e, nodes, state);
             let bars = if bar {
                 Some(self.bars(e, &points)?)
@@ -128,12 +129,12 @@ impl DeformableModel {
             }
             let kirchhoff = |q: usize| stresses[q] * points[q].gradient.transpose();
             let ratio: f64 = points.iter().map(|p| p.gradient.determinant()).sum();
-            Ok(ElementStress {
+            all.push(ElementStress {
                 cauchy: (0..Q).fold(Matrix3::zeros(), |sum, q| sum + kirchhoff(q)) / ratio,
                 volume_ratio: ratio / Q as f64,
-            })
-        };
-        elements.iter().enumerate().map(of_element).collect()
+            });
+        }
+        Ok(all)
     }
 
     fn averaged_stresses(&self, state: State) -> Result<Vec<ElementStress>, ElementFailure> {

@@ -53,8 +53,7 @@ impl CrackState {
         self.stored = 0.0;
         for joint in &mut self.joints {
             let [a, b] = joint.places(positions);
-            let lost = joint.glued.advance(&joint.law, &a, &b);
-            let now = joint.forces(positions);
+            let (lost, now) = joint.glued.step(&joint.law, &a, &b);
             joint.taken += lost.glue;
             if joint.end.is_none() && joint.glued.is_broken(&joint.law) {
                 joint.end = Some(time);
