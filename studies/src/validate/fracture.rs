@@ -373,10 +373,9 @@ contact spread, so that a small lag of the stress counts much. Grains of one sha
 modulus of their nodes (interval: 9 %); all of them with m = 8 have less, as their shapes differ, too.\n\
 - *Crushed grains* tell no sizes of fragments. Their elements are four times too high; a mesh that is fine enough has some 40,000 \
 (estimated). When the load has fallen to a half, two of three have come in two, with a few chips: the fits are of those and mean nothing.\n\n\
-**Made in parts**: rows of grain, of discs of 48 cells and of 20 and 100 J/m2, of the block of 8 cells, of concrete on 20 and 12.5 mm and of struck on 1.0 mm are by an earlier rule, by which glue fell from what it carried at birth, however little that was. \
+**Made in parts**: rows of discs of 48 cells and of 20 and 100 J/m2, of the block of 8 cells, of concrete on 20 and 12.5 mm and of struck on 1.0 mm are by an earlier rule, by which glue fell from what it carried at birth, however little that was. \
 Those made again have loads within 1.5 % of the earlier ones, J of bent within 3 %, lengths of bursts within 30 %, angles of struck within 0.8 degrees; glass had \
-branched on 1.25 mm. Grains end at the first crack, which is the same (as in crushed). The parts of grain are of the development build, run one by one; \
-`unbalanced` for m = 8 was not printed then.\n\n\
+branched on 1.25 mm.\n\n\
 **Not run**: finer grains crushed.\n\n";
 
 /// The values, a line for each run.

@@ -19,7 +19,7 @@
 //! - These springs are stretched at birth: the energy in them is **lent** ([`GluedFacet::join`] returns it), as nothing else has
 //!   lost it. It is T²/(2k) for the glue, and returns in what the glue dissipates.
 //!
-//! At each step call [`GluedFacet::advance`] and then [`GluedFacet::forces`]. Forces are minus the exact gradient of the energy,
+//! At each step call [`GluedFacet::advance`] and then [`GluedFacet::forces`], or [`GluedFacet::step`] for both. Forces are minus the exact gradient of the energy,
 //! with the turning of the axes; forces and moments of a facet balance.
 //!
 //! ```
